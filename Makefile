@@ -1,0 +1,333 @@
+# tribo: contact and friction between rigid bodies.
+#
+#   make                 library (shared, static, pkg-config file) and program, into $(BUILD)
+#   make lib             the library alone; needs a C99 compiler and libm
+#   make install         into $(DESTDIR)$(PREFIX); uninstall takes it all away again
+#   make demo            run the program's demonstration
+#   make check           build and run all tests; the last line is "tests: N passed, M failed, K skipped"
+#   make check-sanitize  the same programs under AddressSanitizer and UBSan, and a clang build
+#   make bench           nanoseconds per call, next to the error
+#   make fuzz            TIME=60 seconds for each fuzz target; ENGINE=libfuzzer or afl
+#   make deps            install the Debian packages that demo and check need (they do so themselves)
+#   make abi golden      write the goldens of tests/abi and tests/golden anew
+#   make docs format format-check clean
+#
+# Variables: PREFIX DESTDIR BUILD CC CFLAGS CPPFLAGS LDFLAGS, WERROR=1 (warnings are errors), V=1 (show
+# commands), V4_WIDTH (vector width in bits that the x86-64-v4 lanes prefer: 256 or 512).
+# Use one BUILD folder per set of flags. Within one, a change of compiler or flags rebuilds everything.
+
+PREFIX ?= /usr/local
+DESTDIR ?=
+BUILD ?= build
+ifeq ($(origin CC),default)
+CC := gcc
+endif
+CFLAGS ?= -O2 -g
+CPPFLAGS ?=
+LDFLAGS ?=
+V4_WIDTH ?= 512
+JOBS ?= 2
+TIME ?= 60
+ENGINE ?= libfuzzer
+
+prefix = $(PREFIX)
+exec_prefix = $(prefix)
+bindir = $(exec_prefix)/bin
+libdir = $(exec_prefix)/lib
+includedir = $(prefix)/include
+pkgconfigdir = $(libdir)/pkgconfig
+INSTALL ?= install
+INSTALL_PROGRAM ?= $(INSTALL)
+INSTALL_DATA ?= $(INSTALL) -m 644
+
+.DEFAULT_GOAL := all
+.DELETE_ON_ERROR:
+.SUFFIXES:
+.PHONY: all lib install uninstall demo check run-check check-sanitize run-properties test-programs \
+        fuzz fuzz-targets bench deps abi golden docs format format-check clean help FORCE
+ifneq ($(V),1)
+.SILENT:
+endif
+
+# ---- flags ---------------------------------------------------------------------------------------------
+
+# The promise of equal bits is kept by these flags. They come after the user's, so that CFLAGS cannot drop
+# them, and value-changing flags are refused, at linking too: those turn subnormal numbers off.
+FP := -ffp-contract=off -fno-math-errno -fno-trapping-math
+WARN := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes \
+        -Wmissing-prototypes -Wvla -Wundef $(if $(filter 1,$(WERROR)),-Werror)
+UNSAFE := $(filter -ffast-math -Ofast -funsafe-math-optimizations -fassociative-math \
+            -freciprocal-math -ffinite-math-only -fno-signed-zeros,$(CFLAGS) $(CPPFLAGS) $(LDFLAGS))
+ifneq ($(UNSAFE),)
+$(error $(UNSAFE) would change results: tribo promises the same bits on every platform)
+endif
+
+MACROS := $(shell $(CC) $(CPPFLAGS) $(CFLAGS) -dM -E -x c /dev/null 2>/dev/null | \
+            grep -oE '__(x86_64|i386)__')
+ifneq ($(filter __i386__,$(MACROS)),)
+FP += -msse2 -mfpmath=sse
+endif
+COMMON = $(CPPFLAGS) -Iinclude $(CFLAGS) -std=c99 $(WARN) $(FP)
+DEPEND = -MMD -MP
+
+# The lanes need the vectoriser, which -O2 of gcc keeps to the simplest loops.
+LANES_OPTIMIZE := $(if $(filter -O0 -O1 -Og,$(CFLAGS)),,-O3)
+
+# ---- the library ---------------------------------------------------------------------------------------
+
+version_part = $(shell awk '$$2 == "TRIBO_VERSION_$(1)" { print $$3 }' include/tribo/base.h)
+MAJOR := $(call version_part,MAJOR)
+VERSION := $(MAJOR).$(call version_part,MINOR).$(call version_part,PATCH)
+ifneq ($(words $(subst ., ,$(VERSION))),3)
+$(error include/tribo/base.h does not state the version)
+endif
+
+HEADERS := $(wildcard include/tribo/*.h)
+LIB_SOURCES := $(filter-out src/batch_lanes.c,$(wildcard src/*.c))
+LANES := $(if $(wildcard src/batch_lanes.c),baseline)
+ifneq ($(filter __x86_64__,$(MACROS)),)
+ifeq ($(shell $(CC) -march=x86-64-v4 -E -x c /dev/null >/dev/null 2>&1 && echo yes),yes)
+LANES += $(if $(LANES),x86_64_v3 x86_64_v4)
+LEVELS := -DTRIBO_HAVE_X86_64_LEVELS=1
+endif
+endif
+LANES_FLAGS_baseline :=
+LANES_FLAGS_x86_64_v3 := -march=x86-64-v3
+LANES_FLAGS_x86_64_v4 := -march=x86-64-v4 -mprefer-vector-width=$(V4_WIDTH)
+
+LIB_OBJECTS := $(LIB_SOURCES:%.c=$(BUILD)/obj/%.o)
+LANES_OBJECTS := $(LANES:%=$(BUILD)/obj/src/batch_lanes.%.o)
+# One set of objects serves both libraries: the static one can go into the shared objects of others
+# (language bindings do that).
+LIB_FLAGS = $(COMMON) -DTRIBO_BUILD $(LEVELS) -fPIC -fvisibility=hidden -fno-semantic-interposition
+
+STATIC := $(BUILD)/libtribo_core.a
+SHARED := $(BUILD)/libtribo_core.so.$(VERSION)
+SONAME := libtribo_core.so.$(MAJOR)
+LINKS := $(BUILD)/$(SONAME) $(BUILD)/libtribo_core.so
+PC := $(BUILD)/tribo_core.pc
+# clang leaves the run-time library of a sanitizer to the final link.
+DEFS := $(if $(findstring -fsanitize,$(CFLAGS) $(LDFLAGS)),,-Wl,-z,defs)
+
+all: lib $(BUILD)/tribo
+lib: $(STATIC) $(LINKS) $(PC)
+
+$(LIB_OBJECTS): $(BUILD)/obj/%.o: %.c $(BUILD)/flags
+	@mkdir -p $(@D)
+	@echo "  CC      $<"
+	$(CC) $(LIB_FLAGS) $(DEPEND) -c -o $@ $<
+
+$(LANES_OBJECTS): $(BUILD)/obj/src/batch_lanes.%.o: src/batch_lanes.c $(BUILD)/flags
+	@mkdir -p $(@D)
+	@echo "  CC      $< ($*)"
+	$(CC) $(LIB_FLAGS) $(LANES_OPTIMIZE) -DTRIBO_LANES=$* $(LANES_FLAGS_$*) $(DEPEND) -c -o $@ $<
+
+$(STATIC): $(LIB_OBJECTS) $(LANES_OBJECTS)
+	@echo "  AR      $@"
+	rm -f $@
+	$(AR) rcs $@ $^
+
+$(SHARED): $(LIB_OBJECTS) $(LANES_OBJECTS) src/tribo_core.map
+	@echo "  LD      $@"
+	$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,-soname,$(SONAME) $(DEFS) -Wl,-Bsymbolic-functions \
+	    -Wl,--version-script=src/tribo_core.map -o $@ $(filter %.o,$^) -lm
+
+$(LINKS): $(SHARED)
+	ln -sf $(<F) $@
+
+# Made at each run, because PREFIX may differ from the last one; touched only if it does.
+$(PC): src/tribo_core.pc.in FORCE
+	@mkdir -p $(@D)
+	sed -e 's|@prefix@|$(prefix)|' -e 's|@exec_prefix@|$(exec_prefix)|' -e 's|@libdir@|$(libdir)|' \
+	    -e 's|@includedir@|$(includedir)|' -e 's|@version@|$(VERSION)|' $< >$@.new
+	cmp -s $@.new $@ && rm $@.new || mv $@.new $@
+
+# Everything depends on the compiler and its flags. WERROR is not among them: it changes no object.
+$(BUILD)/flags: FORCE
+	@mkdir -p $(@D)
+	{ echo '$(CC) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(FP) $(V4_WIDTH)'; $(CC) --version; } >$@.new
+	cmp -s $@.new $@ && rm $@.new || mv $@.new $@
+
+# ---- the program, tests, benches and fuzz targets ------------------------------------------------------
+
+# __float128 functions are gcc's; programs that need them look at TRIBO_HAVE_QUADMATH.
+ifeq ($(shell $(CC) -x c -include quadmath.h -fsyntax-only /dev/null 2>/dev/null && echo yes),yes)
+QUADMATH := -DTRIBO_HAVE_QUADMATH=1
+QUADMATH_LIB := -lquadmath
+endif
+
+CLI_OBJECTS := $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard src/cli/*.c))
+SUPPORT_OBJECTS := $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard tests/support/*.c))
+ROOMS := $(patsubst fuzz/%.c,%,$(wildcard fuzz/*.c))
+TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/*.c))
+BENCHES := $(patsubst tests/bench/%.c,$(BUILD)/bench/%,$(wildcard tests/bench/*.c))
+RANDOMS := $(ROOMS:%=$(BUILD)/fuzz/%-random)
+REPLAYS := $(ROOMS:%=$(BUILD)/fuzz/%-replay)
+ENGINES := $(ROOMS:%=$(BUILD)/fuzz/%)
+APP_OBJECTS := $(CLI_OBJECTS) $(SUPPORT_OBJECTS) $(patsubst %.c,$(BUILD)/obj/%.o,\
+    $(wildcard tests/*.c tests/bench/*.c fuzz/*.c fuzz/driver/*.c))
+
+$(APP_OBJECTS): $(BUILD)/obj/%.o: %.c $(BUILD)/flags
+	@mkdir -p $(@D)
+	@echo "  CC      $<"
+	$(CC) $(COMMON) $(QUADMATH) $(DEPEND) -c -o $@ $<
+
+link = mkdir -p $(@D) && echo "  LD      $@" && $(CC) $(CFLAGS) $(LDFLAGS) -o $@ $(filter %.o %.a,$^)
+
+$(BUILD)/tribo: $(CLI_OBJECTS) $(STATIC)
+	$(link) -lcsv -lm
+
+$(TESTS): $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(SUPPORT_OBJECTS) $(STATIC)
+	$(link) -lcmocka $(QUADMATH_LIB) -lm
+
+$(BENCHES): $(BUILD)/bench/%: $(BUILD)/obj/tests/bench/%.o $(SUPPORT_OBJECTS) $(STATIC)
+	$(link) $(QUADMATH_LIB) -lm
+
+$(RANDOMS): $(BUILD)/fuzz/%-random: $(BUILD)/obj/fuzz/%.o $(BUILD)/obj/fuzz/driver/random.o \
+    $(SUPPORT_OBJECTS) $(STATIC)
+	$(link) $(QUADMATH_LIB) -lm
+
+$(REPLAYS): $(BUILD)/fuzz/%-replay: $(BUILD)/obj/fuzz/%.o $(BUILD)/obj/fuzz/driver/replay.o \
+    $(SUPPORT_OBJECTS) $(STATIC)
+	$(link) $(QUADMATH_LIB) -lm
+
+# OSS-Fuzz and `make fuzz` name the engine: a flag such as -fsanitize=fuzzer, or an archive with a main.
+$(ENGINES): $(BUILD)/fuzz/%: $(BUILD)/obj/fuzz/%.o $(SUPPORT_OBJECTS) $(STATIC)
+	$(link) $(LIB_FUZZING_ENGINE) $(QUADMATH_LIB) -lm
+
+-include $(patsubst %.o,%.d,$(LIB_OBJECTS) $(LANES_OBJECTS) $(APP_OBJECTS))
+
+# ---- install -------------------------------------------------------------------------------------------
+
+install: all
+	$(INSTALL) -d '$(DESTDIR)$(bindir)' '$(DESTDIR)$(pkgconfigdir)' '$(DESTDIR)$(includedir)/tribo'
+	$(INSTALL_PROGRAM) $(BUILD)/tribo '$(DESTDIR)$(bindir)'
+	$(INSTALL_DATA) $(HEADERS) '$(DESTDIR)$(includedir)/tribo'
+	$(INSTALL_DATA) $(STATIC) $(SHARED) '$(DESTDIR)$(libdir)'
+	ln -sf $(notdir $(SHARED)) '$(DESTDIR)$(libdir)/$(SONAME)'
+	ln -sf $(notdir $(SHARED)) '$(DESTDIR)$(libdir)/libtribo_core.so'
+	$(INSTALL_DATA) $(PC) '$(DESTDIR)$(pkgconfigdir)'
+
+uninstall:
+	rm -f '$(DESTDIR)$(bindir)/tribo' '$(DESTDIR)$(pkgconfigdir)/tribo_core.pc'
+	cd '$(DESTDIR)$(libdir)' && rm -f $(notdir $(STATIC) $(SHARED) $(LINKS))
+	cd '$(DESTDIR)$(includedir)' && rm -f $(HEADERS:include/%=%) && rmdir tribo
+
+# ---- demonstration, tests, benches ---------------------------------------------------------------------
+
+deps:
+	.ci/deps build demo check
+
+demo:
+	.ci/deps demo
+	$(MAKE) --no-print-directory all
+	$(BUILD)/tribo demo
+
+# What a test may ask of its environment. The paths are absolute; the working folder is this one.
+TEST_ENV = CMOCKA_MESSAGE_OUTPUT=TAP BUILD='$(abspath $(BUILD))' SRCDIR='$(CURDIR)' CC='$(CC)' \
+           CFLAGS='$(CFLAGS)' CPPFLAGS='$(CPPFLAGS)' LDFLAGS='$(LDFLAGS)'
+PROPERTIES = $(TESTS:$(BUILD)/%=$(abspath $(BUILD))/%) \
+             $(foreach room,$(ROOMS),'$(abspath $(BUILD))/fuzz/$(room)-replay fuzz/corpus/$(room)') \
+             $(RANDOMS:$(BUILD)/%=$(abspath $(BUILD))/%)
+
+test-programs: lib $(TESTS) $(RANDOMS) $(REPLAYS)
+
+check:
+	.ci/deps check
+	$(MAKE) --no-print-directory all test-programs
+	$(MAKE) --no-print-directory run-check
+
+run-check:
+	$(TEST_ENV) tests/run -j $(JOBS) $(wildcard tests/*.sh) $(PROPERTIES)
+
+run-properties:
+	$(TEST_ENV) tests/run -j $(JOBS) $(EXTRA) $(PROPERTIES)
+
+SANITIZE := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined,float-cast-overflow \
+            -fno-sanitize-recover=all
+CLANG ?= clang-16
+
+check-sanitize:
+	.ci/deps check
+	$(MAKE) --no-print-directory all test-programs BUILD=$(BUILD)/asan CC=gcc CFLAGS='$(SANITIZE)'
+	{ echo 1..1; \
+	  if ! command -v $(CLANG) >/dev/null; then \
+	      echo 'ok 1 # SKIP $(CLANG) is not installed'; \
+	  elif $(MAKE) --no-print-directory all test-programs BUILD=$(BUILD)/clang CC=$(CLANG) \
+	          CFLAGS='-O2 -g' WERROR=1; then \
+	      echo 'ok 1 - $(CLANG) builds all without a warning'; \
+	  else \
+	      echo 'not ok 1 - $(CLANG) builds all without a warning'; \
+	  fi; } >$(BUILD)/asan/clang.log 2>&1
+	$(MAKE) --no-print-directory run-properties BUILD=$(BUILD)/asan CC=gcc CFLAGS='$(SANITIZE)' \
+	    EXTRA="'cat $(abspath $(BUILD))/asan/clang.log'"
+
+bench: $(BENCHES)
+	set -e; for bench in $(BENCHES); do $$bench; done
+
+# ---- fuzzing -------------------------------------------------------------------------------------------
+
+fuzz-targets: $(ENGINES)
+
+fuzz:
+	.ci/deps fuzz
+	$(MAKE) --no-print-directory fuzz-$(ENGINE)
+
+.PHONY: fuzz-libfuzzer fuzz-afl
+fuzz-libfuzzer: export ASAN_OPTIONS ?= detect_leaks=0
+fuzz-libfuzzer:
+	$(MAKE) --no-print-directory fuzz-targets BUILD=$(BUILD)/libfuzzer CC=$(CLANG) \
+	    CFLAGS='-O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all' \
+	    LIB_FUZZING_ENGINE=-fsanitize=fuzzer
+	set -e; for room in $(ROOMS); do \
+	    echo "== $$room, $(TIME) s"; found=$(BUILD)/libfuzzer/found/$$room; mkdir -p $$found; \
+	    $(BUILD)/libfuzzer/fuzz/$$room -max_total_time=$(TIME) -print_final_stats=1 -verbosity=0 \
+	        -artifact_prefix=$$found- $$found fuzz/corpus/$$room; \
+	done
+
+fuzz-afl: export AFL_SKIP_CPUFREQ := 1
+fuzz-afl: export AFL_I_DONT_CARE_ABOUT_MISSING_CRASHES := 1
+fuzz-afl: export AFL_NO_UI := 1
+fuzz-afl: export AFL_USE_ASAN := 1
+fuzz-afl: export AFL_USE_UBSAN := 1
+fuzz-afl:
+	$(MAKE) --no-print-directory fuzz-targets BUILD=$(BUILD)/afl CC=afl-clang-fast \
+	    CFLAGS='-O1 -g' LIB_FUZZING_ENGINE=-fsanitize=fuzzer
+	set -e; for room in $(ROOMS); do \
+	    echo "== $$room, $(TIME) s"; found=$(BUILD)/afl/found/$$room; \
+	    rm -rf $$found; mkdir -p $$found; \
+	    afl-fuzz -V $(TIME) -i fuzz/corpus/$$room -o $$found $(BUILD)/afl/fuzz/$$room >$$found/log; \
+	    grep -E '^(execs_done|saved_crashes|saved_hangs|edges_found)' $$found/default/fuzzer_stats; \
+	    test -z "$$(ls $$found/default/crashes)"; \
+	done
+
+# ---- goldens, documentation, style ---------------------------------------------------------------------
+
+abi: lib
+	$(TEST_ENV) tests/abi.sh --update
+
+golden:
+	$(TEST_ENV) tests/golden.sh --update
+
+docs:
+	.ci/deps docs
+	@mkdir -p $(BUILD)/docs
+	{ cat .doxygen; echo 'OUTPUT_DIRECTORY = $(BUILD)/docs'; echo 'PROJECT_NUMBER = $(VERSION)'; } | \
+	    doxygen -
+
+CLANG_FORMAT ?= clang-format-16
+C_FILES = $(shell find include src fuzz tests -name '*.[ch]')
+
+format:
+	.ci/deps format
+	$(CLANG_FORMAT) -i $(C_FILES)
+
+format-check:
+	.ci/deps format
+	$(CLANG_FORMAT) --dry-run -Werror $(C_FILES)
+
+clean:
+	rm -rf $(BUILD)
+
+help:
+	awk '/^#/ { sub(/^# ?/, ""); print; next } { exit }' Makefile
