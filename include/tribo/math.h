@@ -173,10 +173,11 @@ TRIBO_API double tribo_quat_angle(const double a[4], const double b[4]);
 /* ---- elementary functions, the same bits on every platform -------------------------------------- */
 
 /** Sine and cosine of x radians, |x| <= 2^20 (NaN beyond), within 2 ulp.
- *  Reduction by pi/2 in three parts (Cody & Waite 1980), then minimax polynomials on [-pi/4, pi/4]. */
+ *  Reduction by pi/2 in three parts (Cody & Waite 1980), then Taylor polynomials on [-pi/4, pi/4]. */
 TRIBO_API void tribo_sin_cos(double x, double *sine, double *cosine);
 
-/** Angle of the point (x, y) in [-pi, pi], within 2 ulp; 0 for (0, 0); signed zeros as in C. */
+/** Angle of the point (x, y) in [-pi, pi], within 2 ulp; 0 for (0, 0); signed
+ *  zeros as in C; NaN if an argument is not finite. */
 TRIBO_API double tribo_atan2(double y, double x);
 
 /** The power of two s with 1 <= s |x| < 2 for |x| in [2^-1000, 2^1000]; beyond, s of the nearer end

@@ -1,0 +1,76 @@
+/* Small helpers shared by the rooms: finiteness, powers of two by their bit patterns. */
+#ifndef TRIBO_BITS_H
+#define TRIBO_BITS_H
+
+#include <stdint.h>
+#include <string.h>
+
+#if defined(__GNUC__)
+#define TRIBO_ALWAYS_INLINE static inline __attribute__((always_inline))
+#else
+#define TRIBO_ALWAYS_INLINE static inline
+#endif
+
+#define TRIBO_EPS 2.220446049250313080847e-16 /* 2^-52 */
+
+TRIBO_ALWAYS_INLINE uint64_t bits_of(double x)
+{
+    uint64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits;
+}
+
+TRIBO_ALWAYS_INLINE double double_of(uint64_t bits)
+{
+    double x;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
+TRIBO_ALWAYS_INLINE double absolute(double x)
+{
+    return x < 0.0 ? -x : x;
+}
+
+TRIBO_ALWAYS_INLINE double greater(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+TRIBO_ALWAYS_INLINE double lesser(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+/* x - x is 0 for finite x and NaN for all others; a sum of such terms needs one test only. */
+TRIBO_ALWAYS_INLINE double finite_probe(const double *x, int count)
+{
+    double sum = 0.0;
+    for (int i = 0; i < count; i++) {
+        sum += x[i] - x[i];
+    }
+    return sum;
+}
+
+TRIBO_ALWAYS_INLINE int all_finite(const double *x, int count)
+{
+    return finite_probe(x, count) == 0.0;
+}
+
+/* Biased exponent of the power of two that brings |x| into [1, 2), held within 2^-1000 and 2^1000 so
+ * that the scale and its inverse are both normal numbers. x = 0 counts as small. */
+TRIBO_ALWAYS_INLINE uint64_t scale_exponent(double x)
+{
+    const uint64_t e = (bits_of(x) >> 52) & 0x7ffu;
+    const uint64_t low = e < 23u ? 23u : e;
+    const uint64_t held = low > 2023u ? 2023u : low;
+    return 2046u - held;
+}
+
+/* 2^(e - 1023) for a biased exponent e in [1, 2046]. */
+TRIBO_ALWAYS_INLINE double power_of_two(uint64_t biased_exponent)
+{
+    return double_of(biased_exponent << 52);
+}
+
+#endif
