@@ -19,6 +19,7 @@ static const status_entry statuses[] = {
     ENTRY(TRIBO_ERROR_INDEX, "an index lies outside of its array"),
     ENTRY(TRIBO_ERROR_ISA, "the instruction set is not available on this machine"),
     ENTRY(TRIBO_ERROR_NAME, "no entry has that name"),
+    ENTRY(TRIBO_ERROR_ALIAS, "two arguments that must differ are the same object"),
     ENTRY(TRIBO_ERROR_NOT_FINITE, "an input is NaN or infinite"),
     ENTRY(TRIBO_ERROR_RANGE, "an input or the result is outside of the range of the function"),
     ENTRY(TRIBO_ERROR_NORMAL, "the contact normal is not of unit length"),

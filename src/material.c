@@ -31,11 +31,11 @@ tribo_status tribo_material_check(const tribo_material *material)
     return material->e >= 0.0 && material->e <= 1.0 ? TRIBO_OK : TRIBO_ERROR_RESTITUTION;
 }
 
+/* The means are formed at a scale where they neither over- nor underflow; equal values stay as they are. */
 static double mix(double a, double b, uint32_t rule)
 {
     switch (rule) {
     case TRIBO_MIX_GEOMETRIC_MEAN: {
-        /* Scaled, so that the product neither overflows nor underflows; exact where both are equal. */
         const double s = power_of_two(scale_exponent(greater(a, b)));
         return sqrt((s * a) * (s * b)) / s;
     }
@@ -45,8 +45,10 @@ static double mix(double a, double b, uint32_t rule)
         return greater(a, b);
     case TRIBO_MIX_PRODUCT:
         return a * b;
-    default:
-        return 0.5 * a + 0.5 * b;
+    default: {
+        const double s = power_of_two(scale_exponent(greater(a, b)));
+        return 0.5 * (s * a + s * b) / s;
+    }
     }
 }
 

@@ -60,6 +60,7 @@ enum {
     TRIBO_ERROR_INDEX = 13,       /**< an index lies outside of its array */
     TRIBO_ERROR_ISA = 14,         /**< the instruction set is not available on this machine */
     TRIBO_ERROR_NAME = 15,        /**< no entry has that name */
+    TRIBO_ERROR_ALIAS = 16,       /**< two arguments that must differ are the same object */
     TRIBO_ERROR_NOT_FINITE = 20,  /**< an input is NaN or infinite */
     TRIBO_ERROR_RANGE = 21,       /**< a finite input or the result is outside of the stated range */
     TRIBO_ERROR_NORMAL = 22,      /**< the contact normal is not of unit length */

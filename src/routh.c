@@ -1,0 +1,405 @@
+/* Routh's impact law: Coulomb friction along the growing normal impulse (Keller, J. Appl. Mech. 53 (1986) 1).
+ *
+ * While the contact slips with s = u_t / |u_t|,
+ *     du_t/dp_n = w - mu D s,   du_n/dp_n = a - mu w . s,   dp_t/dp_n = -mu s,
+ * a = W_nn, w = W_tn, D = W_tt. Three kinds of pieces follow each other:
+ *  - s turns: a step of a Taylor series in tau, dp_n = |u_t| dtau, in which the equations are polynomial but
+ *    for r = |u_t|, whose series follows from r^2 = x^2 + y^2;
+ *  - s has settled (its rate depends on s alone, so it stays): everything is linear in p_n;
+ *  - u_t = 0: it stays if friction can hold it, |D^-1 w| <= mu_s, else slip starts along the one s with
+ *    (mu D + k) s = w, k > 0. Linear as well.
+ * Compression ends at u_n = 0; restitution by Newton's, Poisson's or Stronge's hypothesis. */
+#include "impact.h"
+
+enum { ORDER = 20, MAX_PIECES = 4000 };
+#define SETTLED 1e-16      /* turning rate of s, relative, below which its direction counts as constant */
+#define STOPPED 1e-16      /* |u_t| relative to the velocity at the start that counts as zero */
+#define SERIES_ERROR 1e-17
+
+typedef struct routh_state {
+    double un, ut[2];
+    double pn, pt[2];
+    double work; /* integral of u_n dp_n in the present phase */
+} routh_state;
+
+typedef struct routh_problem {
+    double a, w[2], d[3]; /* d = (11, 12, 22) */
+    double mu_s, mu_d, e;
+    double rate;          /* |w| + mu |D|: bound of the rates in tau */
+    uint32_t law;
+    double start;         /* u_n before the impact */
+    int restituting;
+    double compression;   /* p_n at greatest compression */
+    double goal;          /* u_n, p_n or work at which restitution ends, by law */
+} routh_problem;
+
+/* Rates per unit of p_n in a linear piece. */
+typedef struct routh_slope {
+    double un, ut[2], pt[2];
+} routh_slope;
+
+static double length_of(const double x[2])
+{
+    return sqrt(x[0] * x[0] + x[1] * x[1]);
+}
+
+static void apply_tangent(const routh_problem *c, const double x[2], double out[2])
+{
+    out[0] = c->d[0] * x[0] + c->d[1] * x[1];
+    out[1] = c->d[1] * x[0] + c->d[2] * x[1];
+}
+
+/* ---- phases ---------------------------------------------------------------------------------- */
+
+/* What must reach 0 from below for the phase to end. */
+static double phase_gap(const routh_problem *c, double un, double pn, double work)
+{
+    if (!c->restituting || c->law == TRIBO_LAW_ROUTH_NEWTON) {
+        return un - (c->restituting ? c->goal : 0.0);
+    }
+    return (c->law == TRIBO_LAW_ROUTH_POISSON ? pn : work) - c->goal;
+}
+
+/* Compression has ended; returns 1 if restitution has nothing to do. */
+static int begin_restitution(routh_problem *c, routh_state *state)
+{
+    c->restituting = 1;
+    c->compression = state->pn;
+    switch (c->law) {
+    case TRIBO_LAW_ROUTH_NEWTON:
+        c->goal = -c->e * c->start;
+        break;
+    case TRIBO_LAW_ROUTH_POISSON:
+        c->goal = (1.0 + c->e) * state->pn;
+        break;
+    default:
+        c->goal = -c->e * c->e * state->work;
+        break;
+    }
+    state->work = 0.0;
+    return c->e == 0.0;
+}
+
+/* ---- linear pieces --------------------------------------------------------------------------- */
+
+/* Normal impulse from here to the end of the phase; negative: never. */
+static double phase_length(const routh_problem *c, const routh_state *state, double slope)
+{
+    const double gap = -phase_gap(c, state->un, state->pn, state->work);
+    if (c->restituting && c->law == TRIBO_LAW_ROUTH_POISSON) {
+        return gap;
+    }
+    if (c->restituting && c->law == TRIBO_LAW_ROUTH_STRONGE) {
+        const double square = state->un * state->un + 2.0 * slope * gap;
+        return square >= 0.0 ? 2.0 * gap / (state->un + sqrt(square)) : -1.0;
+    }
+    return slope > 0.0 ? gap / slope : -1.0;
+}
+
+static void advance_linearly(const routh_slope *slope, double length, routh_state *state)
+{
+    state->work += length * (state->un + 0.5 * length * slope->un);
+    state->un += length * slope->un;
+    state->pn += length;
+    for (int i = 0; i < 2; i++) {
+        state->ut[i] += length * slope->ut[i];
+        state->pt[i] += length * slope->pt[i];
+    }
+}
+
+/* Go along until slip stops (after `room` of normal impulse; negative: never) or the impact ends. Returns 1
+ * at the end, -1 if it never comes. */
+static int run_linearly(routh_problem *c, const routh_slope *slope, double room, routh_state *state)
+{
+    for (int phase = 0; phase < 2; phase++) {
+        const double length = phase_length(c, state, slope->un);
+        if (room >= 0.0 && (length < 0.0 || length > room)) {
+            advance_linearly(slope, room, state);
+            state->ut[0] = state->ut[1] = 0.0;
+            return 0;
+        }
+        if (length < 0.0 || !(length - length == 0.0)) {
+            return -1;
+        }
+        advance_linearly(slope, length, state);
+        room = room >= 0.0 ? greater(room - length, 0.0) : room;
+        if (c->restituting || begin_restitution(c, state)) {
+            return 1;
+        }
+    }
+    return 1;
+}
+
+static void slip_slope(const routh_problem *c, const double s[2], double growth, routh_slope *slope)
+{
+    slope->un = c->a - c->mu_d * (c->w[0] * s[0] + c->w[1] * s[1]);
+    for (int i = 0; i < 2; i++) {
+        slope->ut[i] = growth * s[i];
+        slope->pt[i] = -c->mu_d * s[i];
+    }
+}
+
+/* Eigenvalues of D and w in its eigenbasis; as in kernel_prepare. */
+typedef struct routh_basis {
+    double lam[2], w[2], x, y;
+} routh_basis;
+
+static routh_basis tangent_basis(const routh_problem *c)
+{
+    routh_basis basis;
+    const double half = 0.5 * (c->d[0] - c->d[2]);
+    const double r = sqrt(half * half + c->d[1] * c->d[1]);
+    const double along = r + absolute(half);
+    const double length = sqrt(along * along + c->d[1] * c->d[1]);
+    const double cx = length > 0.0 ? along / length : 1.0;
+    const double cy = length > 0.0 ? c->d[1] / length : 0.0;
+    basis.x = half >= 0.0 ? cx : cy;
+    basis.y = half >= 0.0 ? cy : cx;
+    basis.lam[0] = 0.5 * (c->d[0] + c->d[2]) + r;
+    basis.lam[1] = basis.lam[0] > 0.0
+                       ? (c->d[0] * c->d[2] - c->d[1] * c->d[1]) / basis.lam[0] : 0.0;
+    basis.w[0] = basis.x * c->w[0] + basis.y * c->w[1];
+    basis.w[1] = basis.x * c->w[1] - basis.y * c->w[0];
+    return basis;
+}
+
+/* out = (mu D + k)^-1 w in the caller's tangents. An axis without mobility has no w either. */
+static void shifted_solve(const routh_basis *basis, double mu, double k, double out[2])
+{
+    double x[2];
+    for (int i = 0; i < 2; i++) {
+        const double g = mu * basis->lam[i] + k;
+        const double least = SINGULAR_TOLERANCE * (mu * basis->lam[0]);
+        x[i] = g > least ? basis->w[i] / g : 0.0;
+    }
+    out[0] = x[0] * basis->x - x[1] * basis->y;
+    out[1] = x[0] * basis->y + x[1] * basis->x;
+}
+
+/* The k > 0 with |(mu D + k)^-1 w| = 1, by bisection on bit patterns: that length falls with k. */
+static double outgoing_growth(const routh_basis *basis, double mu)
+{
+    uint64_t low = 0;
+    uint64_t high = bits_of(2.0 * length_of(basis->w));
+    while (high - low > 1) {
+        const uint64_t middle = low + (high - low) / 2;
+        double s[2];
+        shifted_solve(basis, mu, double_of(middle), s);
+        if (length_of(s) > 1.0) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return double_of(high);
+}
+
+/* From u_t = 0 to the end. */
+static int run_from_rest(routh_problem *c, routh_state *state, int64_t *mode)
+{
+    const routh_basis basis = tangent_basis(c);
+    routh_slope slope;
+    double hold[2];
+    shifted_solve(&basis, 1.0, 0.0, hold);
+    if (length_of(hold) <= c->mu_s) {
+        *mode = KERNEL_STICK;
+        slope.un = c->a - (c->w[0] * hold[0] + c->w[1] * hold[1]);
+        slope.ut[0] = slope.ut[1] = 0.0;
+        slope.pt[0] = -hold[0];
+        slope.pt[1] = -hold[1];
+    } else {
+        double s[2];
+        const double growth = outgoing_growth(&basis, c->mu_d);
+        shifted_solve(&basis, c->mu_d, growth, s);
+        const double length = length_of(s);
+        s[0] /= length;
+        s[1] /= length;
+        *mode = KERNEL_SLIP;
+        slip_slope(c, s, growth, &slope);
+    }
+    return run_linearly(c, &slope, -1.0, state);
+}
+
+/* ---- turning slip: Taylor series ------------------------------------------------------------- */
+
+typedef struct routh_series {
+    double x[ORDER + 1], y[ORDER + 1], r[ORDER + 1];
+    double un[ORDER + 1], pn[ORDER + 1], px[ORDER + 1], py[ORDER + 1], work[ORDER + 1];
+} routh_series;
+
+static double convolve(const double *a, const double *b, int from, int to, int k)
+{
+    double sum = 0.0;
+    for (int i = from; i <= to; i++) {
+        sum += a[i] * b[k - i];
+    }
+    return sum;
+}
+
+static void expand(const routh_problem *c, const routh_state *state, routh_series *t)
+{
+    const double mu = c->mu_d;
+    t->x[0] = state->ut[0];
+    t->y[0] = state->ut[1];
+    t->un[0] = state->un;
+    t->pn[0] = state->pn;
+    t->px[0] = state->pt[0];
+    t->py[0] = state->pt[1];
+    t->work[0] = state->work;
+    t->r[0] = length_of(state->ut);
+    for (int k = 0; k < ORDER; k++) {
+        const double share = 1.0 / (k + 1);
+        if (k > 0) {
+            const double square = convolve(t->x, t->x, 0, k, k) + convolve(t->y, t->y, 0, k, k) -
+                                  convolve(t->r, t->r, 1, k - 1, k);
+            t->r[k] = square / (2.0 * t->r[0]);
+        }
+        const double fx = c->d[0] * t->x[k] + c->d[1] * t->y[k];
+        const double fy = c->d[1] * t->x[k] + c->d[2] * t->y[k];
+        const double fn = c->w[0] * t->x[k] + c->w[1] * t->y[k];
+        t->x[k + 1] = share * (c->w[0] * t->r[k] - mu * fx);
+        t->y[k + 1] = share * (c->w[1] * t->r[k] - mu * fy);
+        t->un[k + 1] = share * (c->a * t->r[k] - mu * fn);
+        t->pn[k + 1] = share * t->r[k];
+        t->px[k + 1] = -share * mu * t->x[k];
+        t->py[k + 1] = -share * mu * t->y[k];
+        t->work[k + 1] = share * convolve(t->un, t->r, 0, k, k);
+    }
+}
+
+static double sum_series(const double *terms, double tau)
+{
+    double sum = terms[ORDER];
+    for (int k = ORDER - 1; k >= 0; k--) {
+        sum = sum * tau + terms[k];
+    }
+    return sum;
+}
+
+static void evaluate(const routh_series *t, double tau, routh_state *state)
+{
+    state->ut[0] = sum_series(t->x, tau);
+    state->ut[1] = sum_series(t->y, tau);
+    state->un = sum_series(t->un, tau);
+    state->pn = sum_series(t->pn, tau);
+    state->pt[0] = sum_series(t->px, tau);
+    state->pt[1] = sum_series(t->py, tau);
+    state->work = sum_series(t->work, tau);
+}
+
+/* Greatest step, by halves, whose last two terms are negligible beside |u_t|. */
+static double series_step(const routh_problem *c, const routh_series *t)
+{
+    const double limit = SERIES_ERROR * t->r[0];
+    double h = 4.0 / c->rate;
+    for (int tries = 0; tries < 60; tries++) {
+        double power = 1.0;
+        for (int k = 0; k < ORDER - 1; k++) {
+            power *= h;
+        }
+        const double before = power * (absolute(t->x[ORDER - 1]) + absolute(t->y[ORDER - 1]));
+        const double last = power * h * (absolute(t->x[ORDER]) + absolute(t->y[ORDER]));
+        if (before + last <= limit) {
+            break;
+        }
+        h *= 0.5;
+    }
+    return h;
+}
+
+/* tau in (0, h] at which the phase ends, known to end within. */
+static double event_time(const routh_problem *c, const routh_series *t, double h)
+{
+    double low = 0.0;
+    double high = h;
+    for (int i = 0; i < 80 && low < high; i++) {
+        const double middle = 0.5 * (low + high);
+        const double gap = phase_gap(c, sum_series(t->un, middle), sum_series(t->pn, middle),
+                                     sum_series(t->work, middle));
+        if (middle <= low || middle >= high) {
+            break;
+        }
+        if (gap >= 0.0) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    return high;
+}
+
+/* One step of turning slip. Returns 1 at the end of the impact. */
+static int run_turning(routh_problem *c, routh_state *state)
+{
+    routh_series t;
+    routh_state next;
+    expand(c, state, &t);
+    const double h = series_step(c, &t);
+    evaluate(&t, h, &next);
+    if (phase_gap(c, next.un, next.pn, next.work) < 0.0) {
+        *state = next;
+        return 0;
+    }
+    evaluate(&t, event_time(c, &t, h), state);
+    return c->restituting || begin_restitution(c, state);
+}
+
+/* ---- the whole impact ------------------------------------------------------------------------ */
+
+/* One piece from slip at speed r. Returns as run_linearly. */
+static int run_slip(routh_problem *c, double r, int force_linear, routh_state *state)
+{
+    const double s[2] = {state->ut[0] / r, state->ut[1] / r};
+    double g[2];
+    apply_tangent(c, s, g);
+    g[0] = c->w[0] - c->mu_d * g[0];
+    g[1] = c->w[1] - c->mu_d * g[1];
+    const double turning = s[0] * g[1] - s[1] * g[0];
+    if (absolute(turning) > SETTLED * c->rate && !force_linear) {
+        return run_turning(c, state);
+    }
+    routh_slope slope;
+    const double growth = s[0] * g[0] + s[1] * g[1];
+    slip_slope(c, s, growth, &slope);
+    return run_linearly(c, &slope, growth < 0.0 ? -r / growth : -1.0, state);
+}
+
+int64_t routh_scaled(const kernel_problem *problem, const tribo_material *pair, uint32_t law,
+                     double p[3], tribo_impact_info *info)
+{
+    routh_problem c = {0};
+    routh_state state = {0};
+    c.a = problem->nn;
+    c.w[0] = problem->n1;
+    c.w[1] = problem->n2;
+    c.d[0] = problem->t11;
+    c.d[1] = problem->t12;
+    c.d[2] = problem->t22;
+    c.mu_s = pair->mu_s;
+    c.mu_d = pair->mu_d;
+    c.e = pair->e;
+    c.rate = absolute(c.w[0]) + absolute(c.w[1]) + c.mu_d * (c.d[0] + c.d[2]);
+    c.law = law;
+    c.start = problem->bn;
+    state.un = problem->bn;
+    state.ut[0] = problem->b1;
+    state.ut[1] = problem->b2;
+    const double stopped = STOPPED * (absolute(problem->bn) + length_of(state.ut));
+    int64_t mode = KERNEL_SLIP;
+    int ended = 0;
+    while (ended == 0) {
+        const double r = length_of(state.ut);
+        const int force_linear = info->iterations >= MAX_PIECES;
+        ended = r <= stopped ? run_from_rest(&c, &state, &mode)
+                             : run_slip(&c, r, force_linear, &state);
+        info->iterations++;
+    }
+    if (ended < 0) {
+        return KERNEL_JAM;
+    }
+    p[0] = state.pn;
+    p[1] = state.pt[0];
+    p[2] = state.pt[1];
+    info->compression = c.compression;
+    return mode;
+}
