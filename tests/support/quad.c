@@ -21,6 +21,9 @@ quad_real quad_sqrt(quad_real x)
     if (!(x > 0)) {
         return 0;
     }
+    if (x - x != 0) {
+        return x;
+    }
     /* into the range of double, by fourth powers of two that leave exact square roots */
     while (x > (quad_real)0x1p800) {
         x *= (quad_real)0x1p-800;
@@ -323,10 +326,10 @@ double quad_solution_error(const quad_solutions *solutions, const double p[3], s
 
 /* ---- condition ------------------------------------------------------------------------------- */
 
-/* One Jacobi rotation of the symmetric a that clears a[i][j]. */
+/* One Jacobi rotation of the symmetric a, of greatest entry 1, that clears a[i][j]. */
 static void rotate(quad_real a[3][3], size_t i, size_t j)
 {
-    if (!(a[i][j] < 0) && !(a[i][j] > 0)) {
+    if (absolute(a[i][j]) <= (quad_real)0x1p-300) {
         return;
     }
     const size_t k = 3 - i - j;
