@@ -158,13 +158,14 @@ endif
 
 CLI_OBJECTS := $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard src/cli/*.c))
 SUPPORT_OBJECTS := $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard tests/support/*.c))
+FUZZ_OBJECTS := $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard fuzz/support/*.c)) $(SUPPORT_OBJECTS)
 ROOMS := $(patsubst fuzz/%.c,%,$(wildcard fuzz/*.c))
 TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/*.c))
 BENCHES := $(patsubst tests/bench/%.c,$(BUILD)/bench/%,$(wildcard tests/bench/*.c))
 RANDOMS := $(ROOMS:%=$(BUILD)/fuzz/%-random)
 REPLAYS := $(ROOMS:%=$(BUILD)/fuzz/%-replay)
 ENGINES := $(ROOMS:%=$(BUILD)/fuzz/%)
-APP_OBJECTS := $(CLI_OBJECTS) $(SUPPORT_OBJECTS) $(patsubst %.c,$(BUILD)/obj/%.o,\
+APP_OBJECTS := $(CLI_OBJECTS) $(FUZZ_OBJECTS) $(patsubst %.c,$(BUILD)/obj/%.o,\
     $(wildcard tests/*.c tests/bench/*.c fuzz/*.c fuzz/driver/*.c))
 
 $(APP_OBJECTS): $(BUILD)/obj/%.o: %.c $(BUILD)/flags
@@ -184,15 +185,15 @@ $(BENCHES): $(BUILD)/bench/%: $(BUILD)/obj/tests/bench/%.o $(SUPPORT_OBJECTS) $(
 	$(link) $(QUADMATH_LIB) -lm
 
 $(RANDOMS): $(BUILD)/fuzz/%-random: $(BUILD)/obj/fuzz/%.o $(BUILD)/obj/fuzz/driver/random.o \
-    $(SUPPORT_OBJECTS) $(STATIC)
+    $(FUZZ_OBJECTS) $(STATIC)
 	$(link) $(QUADMATH_LIB) -lm
 
 $(REPLAYS): $(BUILD)/fuzz/%-replay: $(BUILD)/obj/fuzz/%.o $(BUILD)/obj/fuzz/driver/replay.o \
-    $(SUPPORT_OBJECTS) $(STATIC)
+    $(FUZZ_OBJECTS) $(STATIC)
 	$(link) $(QUADMATH_LIB) -lm
 
 # OSS-Fuzz and `make fuzz` name the engine: a flag such as -fsanitize=fuzzer, or an archive with a main.
-$(ENGINES): $(BUILD)/fuzz/%: $(BUILD)/obj/fuzz/%.o $(SUPPORT_OBJECTS) $(STATIC)
+$(ENGINES): $(BUILD)/fuzz/%: $(BUILD)/obj/fuzz/%.o $(FUZZ_OBJECTS) $(STATIC)
 	$(link) $(LIB_FUZZING_ENGINE) $(QUADMATH_LIB) -lm
 
 -include $(patsubst %.o,%.d,$(LIB_OBJECTS) $(LANES_OBJECTS) $(APP_OBJECTS))

@@ -159,7 +159,8 @@ int64_t solve_by_bisection(const solve_general *problem, double mu_s, double mu_
     }
     *nu = bisect(problem, &e, mu_d, high, iterations);
     /* A root that runs into 0 is none: friction suffices however small nu is, but S cannot stick. */
-    if (*nu < 1e-290 || !solve_shifted(&e, *nu, p_t)) {
+    const int runs_away = *nu < 1e-30 * e.size && !solve_shifted(&e, 0.0, p_t);
+    if (runs_away || !solve_shifted(&e, *nu, p_t)) {
         *nu = 0.0;
         return KERNEL_JAM;
     }
@@ -192,8 +193,8 @@ int64_t solve_scaled(const kernel_problem *problem, double mu_s, double mu_d, do
     if (mode == KERNEL_SLIP) {
         int settled = 0;
         *nu = e.nu;
-        while (!settled && *iterations < MAX_NEWTON) {
-            settled = kernel_newton(&e, nu);
+        while (!settled && *iterations < MAX_HALLEY) {
+            settled = kernel_halley(&e, nu);
             ++*iterations;
         }
         mode = settled ? KERNEL_SLIP : KERNEL_SLOW;
