@@ -54,6 +54,10 @@ typedef struct problem_collision {
     tribo_material pair;
 } problem_collision;
 
+/** How many of `wanted` problems to do: one in 20 under a sanitizer, or what TRIBO_TEST_COUNT says
+ *  where that is less. */
+uint64_t problem_count(uint64_t wanted);
+
 /** "P1", "P2", "P3", "S", "B", "U". */
 const char *problem_set_name(uint32_t set);
 

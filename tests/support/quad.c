@@ -261,14 +261,13 @@ static void add_slip(const quad_real w[6], const quad_real b[3], quad_real mu, q
     const quad_real d[2] = {t22 * c[0] - t12 * c[1], t11 * c[1] - t12 * c[0]};
     const quad_real determinant = t11 * t22 - t12 * t12;
     const quad_real a[3] = {-(b[0] * determinant + w[1] * d[0] + w[2] * d[1]) / w[0],
-                            -(b[0] * (t11 + t22) + w[1] * c[0] + w[2] * c[1]) / w[0],
-                            -b[0] / w[0]};
+                            -(b[0] * (t11 + t22) + w[1] * c[0] + w[2] * c[1]) / w[0], -b[0] / w[0]};
     const quad_real square = mu * mu;
-    const quad_real quartic[5] = {
-        square * a[0] * a[0] - (d[0] * d[0] + d[1] * d[1]),
-        2 * (square * a[0] * a[1] - (c[0] * d[0] + c[1] * d[1])),
-        square * (a[1] * a[1] + 2 * a[0] * a[2]) - (c[0] * c[0] + c[1] * c[1]),
-        2 * square * a[1] * a[2], square * a[2] * a[2]};
+    const quad_real quartic[5] = {square * a[0] * a[0] - (d[0] * d[0] + d[1] * d[1]),
+                                  2 * (square * a[0] * a[1] - (c[0] * d[0] + c[1] * d[1])),
+                                  square * (a[1] * a[1] + 2 * a[0] * a[2]) -
+                                      (c[0] * c[0] + c[1] * c[1]),
+                                  2 * square * a[1] * a[2], square * a[2] * a[2]};
     quad_real roots[4];
     const size_t count = positive_roots(quartic, 4, root_bound(quartic), roots);
     for (size_t k = 0; k < count; k++) {

@@ -27,10 +27,10 @@ typedef long double quad_real;
 
 /** All solutions of one contact problem. */
 typedef struct quad_solutions {
-    size_t count;         /**< at most 6: open, stick, and four roots of the slip equation */
-    uint32_t mode[6];     /**< TRIBO_MODE_... */
+    size_t count;     /**< at most 6: open, stick, and four roots of the slip equation */
+    uint32_t mode[6]; /**< TRIBO_MODE_... */
     quad_real p[6][3];
-    quad_real nu[6];      /**< slip: u_t = -nu p_t; else 0 */
+    quad_real nu[6]; /**< slip: u_t = -nu p_t; else 0 */
 } quad_solutions;
 
 /** Square root; 0 for x <= 0. */
