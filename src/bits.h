@@ -57,14 +57,18 @@ TRIBO_ALWAYS_INLINE int all_finite(const double *x, int count)
     return finite_probe(x, count) == 0.0;
 }
 
+#define TRIBO_LARGE 1.0715086071862673e+301 /* 2^1000 */
+#define TRIBO_SMALL 9.3326361850321888e-302 /* 2^-1000 */
+
 /* Biased exponent of the power of two that brings |x| into [1, 2), held within 2^-1000 and 2^1000 so
- * that the scale and its inverse are both normal numbers. x = 0 counts as small. */
+ * that the scale and its inverse are both normal numbers. 0 and NaN count as small. Held as a double, because
+ * lanes have no cheap comparison of 64-bit integers. */
 TRIBO_ALWAYS_INLINE uint64_t scale_exponent(double x)
 {
-    const uint64_t e = (bits_of(x) >> 52) & 0x7ffu;
-    const uint64_t low = e < 23u ? 23u : e;
-    const uint64_t held = low > 2023u ? 2023u : low;
-    return 2046u - held;
+    const double size = absolute(x);
+    const double low = size > TRIBO_SMALL ? size : TRIBO_SMALL;
+    const double held = low < TRIBO_LARGE ? low : TRIBO_LARGE;
+    return 2046u - (bits_of(held) >> 52);
 }
 
 /* 2^(e - 1023) for a biased exponent e in [1, 2046]. */

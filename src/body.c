@@ -281,15 +281,15 @@ void tribo_body_point_velocity(const tribo_body *body, const double arm[3], doub
 
 tribo_status tribo_body_apply_impulse(tribo_body *body, const double arm[3], const double p[3])
 {
-    if (!arm || !p) {
+    if (!body || !arm || !p) {
         return TRIBO_ERROR_NULL;
+    }
+    if (!all_finite(arm, 3) || !all_finite(p, 3)) {
+        return TRIBO_ERROR_NOT_FINITE;
     }
     const tribo_status status = tribo_body_check(body);
     if (status != TRIBO_OK) {
         return status;
-    }
-    if (!all_finite(arm, 3) || !all_finite(p, 3)) {
-        return TRIBO_ERROR_NOT_FINITE;
     }
     tribo_body pushed = *body;
     push_body(&pushed, arm, p);
@@ -470,12 +470,15 @@ tribo_status tribo_body_advance(tribo_body *body, const double acceleration[3], 
 {
     static const double none[3] = {0.0, 0.0, 0.0};
     const double *a = acceleration ? acceleration : none;
-    tribo_status status = tribo_body_check(body);
-    if (status != TRIBO_OK) {
-        return status;
+    if (!body) {
+        return TRIBO_ERROR_NULL;
     }
     if (!all_finite(a, 3) || !all_finite(&dt, 1)) {
         return TRIBO_ERROR_NOT_FINITE;
+    }
+    tribo_status status = tribo_body_check(body);
+    if (status != TRIBO_OK) {
+        return status;
     }
     if (dt < 0.0) {
         return TRIBO_ERROR_TIME_STEP;
@@ -484,6 +487,9 @@ tribo_status tribo_body_advance(tribo_body *body, const double acceleration[3], 
         return TRIBO_OK;
     }
     tribo_body moved = *body;
+    if (body->inverse_mass == 0.0) {
+        a = none;
+    }
     for (int i = 0; i < 3; i++) {
         moved.position[i] += dt * (moved.velocity[i] + 0.5 * dt * a[i]);
         moved.velocity[i] += dt * a[i];

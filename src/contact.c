@@ -112,6 +112,9 @@ static tribo_status build_matrix(const tribo_body *a, const tribo_body *b,
     w[1] = w[2] = w[4] = 0.0;
     add_mobility(a, contact->arm_a, frame, w);
     add_mobility(b, contact->arm_b, frame, w);
+    for (int i = 0; i < 6; i++) {
+        w[i] += 0.0; /* no entry is -0, whichever body adds nothing */
+    }
     if (!all_finite(w, 6)) {
         return TRIBO_ERROR_RANGE;
     }
@@ -215,28 +218,6 @@ tribo_status tribo_contact_apply(tribo_body *a, tribo_body *b, const tribo_conta
 
 /* ---- exact solve ----------------------------------------------------------------------------- */
 
-static tribo_status status_of(int64_t mode)
-{
-    switch (mode) {
-    case KERNEL_JAM:
-        return TRIBO_ERROR_JAM;
-    case KERNEL_NOT_FINITE:
-        return TRIBO_ERROR_NOT_FINITE;
-    case KERNEL_RANGE:
-        return TRIBO_ERROR_RANGE;
-    case KERNEL_FRICTION:
-        return TRIBO_ERROR_FRICTION;
-    case KERNEL_RESTITUTION:
-        return TRIBO_ERROR_RESTITUTION;
-    case KERNEL_MATRIX:
-        return TRIBO_ERROR_CONTACT_MATRIX;
-    case KERNEL_IMMOVABLE:
-        return TRIBO_ERROR_IMMOVABLE;
-    default:
-        return TRIBO_OK;
-    }
-}
-
 static tribo_status solve_unscaled(const double w[6], const double b[3], double mu_s, double mu_d,
                             double p[3], tribo_solve_info *full)
 {
@@ -244,7 +225,7 @@ static tribo_status solve_unscaled(const double w[6], const double b[3], double 
     double nu;
     kernel_scale(w, b, &problem);
     const int64_t mode = solve_scaled(&problem, mu_s, mu_d, p, &nu, &full->iterations);
-    const tribo_status status = status_of(mode);
+    const tribo_status status = status_of_mode(mode);
     if (status != TRIBO_OK) {
         return status;
     }
@@ -296,7 +277,7 @@ static tribo_status check_general(const double w[9], const double b[3], double m
     for (int i = 0; i < 3; i++) {
         greatest_b = greater(greatest_b, absolute(b[i]));
     }
-    if (greatest_w > LARGE || (greatest_w < SMALL && greatest_w > 0.0) || greatest_b > LARGE) {
+    if (greatest_w > TRIBO_LARGE || (greatest_w < TRIBO_SMALL && greatest_w > 0.0) || greatest_b > TRIBO_LARGE) {
         return TRIBO_ERROR_RANGE;
     }
     if (mu_d < 0.0 || mu_s < mu_d) {
@@ -338,8 +319,8 @@ tribo_status tribo_contact_solve_general(const double w[9], const double b[3], d
     double impulse[3];
     const int64_t mode =
         solve_by_bisection(&problem, mu_s, mu_d, impulse, &full.nu, &full.iterations);
-    if (status_of(mode) != TRIBO_OK) {
-        return status_of(mode);
+    if (status_of_mode(mode) != TRIBO_OK) {
+        return status_of_mode(mode);
     }
     for (int i = 0; i < 3; i++) {
         impulse[i] = impulse[i] * scaled.up * scaled.up2;
@@ -400,11 +381,11 @@ static tribo_status solve_impact(const double w[6], const double u[3], const tri
         return status;
     }
     if (problem.fault != KERNEL_OPEN) {
-        return status_of(problem.fault);
+        return status_of_mode(problem.fault);
     }
     const int64_t mode = impact_scaled(&problem, pair, options, p, full);
-    if (status_of(mode) != TRIBO_OK) {
-        return status_of(mode);
+    if (status_of_mode(mode) != TRIBO_OK) {
+        return status_of_mode(mode);
     }
     for (int i = 0; i < 3; i++) {
         p[i] = p[i] * problem.up * problem.up2;

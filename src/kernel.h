@@ -29,8 +29,6 @@ enum {
 
 #define SEMIDEFINITE_TOLERANCE 1e-12
 #define SINGULAR_TOLERANCE (8.0 * TRIBO_EPS)
-#define LARGE 1.0715086071862673e+301       /* 2^1000 */
-#define SMALL 9.3326361850321888e-302       /* 2^-1000 */
 #define FAST_MIN 8.6736173798840355e-19     /* 2^-60: bounds of mu and |b_n| for the fast iteration */
 #define FAST_MAX 1152921504606846976.0      /* 2^60 */
 #define FAST_MIN_DRIVE 7.8886090522101181e-31 /* 2^-100: least |c| */
@@ -72,8 +70,8 @@ TRIBO_ALWAYS_INLINE void kernel_scale(const double w[6], const double b[3], kern
     out->b2 = sb * b[2];
     out->up = power_of_two((e >> 1) - 1u);
     out->up2 = power_of_two(e - (e >> 1) - 1u);
-    const int out_of_range = (greatest_w > LARGE) | (greatest_b > LARGE) |
-                             ((greatest_w < SMALL) & (greatest_w > 0.0));
+    const int out_of_range = (greatest_w > TRIBO_LARGE) | (greatest_b > TRIBO_LARGE) |
+                             ((greatest_w < TRIBO_SMALL) & (greatest_w > 0.0));
     const int negative = (w[0] < 0.0) | (w[3] < 0.0) | (w[5] < 0.0) | (greatest_off > greatest_w);
     int64_t fault = w[0] == 0.0 ? KERNEL_IMMOVABLE : KERNEL_OPEN;
     fault = negative ? KERNEL_MATRIX : fault;

@@ -36,8 +36,10 @@ static double mix(double a, double b, uint32_t rule)
 {
     switch (rule) {
     case TRIBO_MIX_GEOMETRIC_MEAN: {
-        const double s = power_of_two(scale_exponent(greater(a, b)));
-        return sqrt((s * a) * (s * b)) / s;
+        const uint64_t ea = scale_exponent(a) | 1u; /* odd when biased: an even power of two */
+        const uint64_t eb = scale_exponent(b) | 1u;
+        const double root = sqrt((a * power_of_two(ea)) * (b * power_of_two(eb)));
+        return root / power_of_two((ea + 1023u) / 2u) / power_of_two((eb + 1023u) / 2u);
     }
     case TRIBO_MIX_MINIMUM:
         return lesser(a, b);

@@ -281,28 +281,40 @@ static const double atan_eighths[9][2] = {
     {0.7853981633974483, 3.061616997868383e-17},
 };
 
-/* Angle of (x, y) for 0 <= y <= x: atan(i/8) + atan of the small rest, with i/8 nearest to y/x. The part
- * that does not fit the result goes to `low`. */
+/* Angle of (x, y) for 0 <= y <= x: atan(i/8) + atan of the small rest, i/8 near y/x. What does not fit into
+ * the result goes to `low`. i = 1 only from 0.1 on: below, its two parts would cancel. */
 static double octant_angle(double y, double x, double *low)
 {
-    const int i = (int)(8.0 * (y / x) + 0.5);
+    const double slope = y / x;
+    const int i = slope < 0.1 ? 0 : slope < 0.1875 ? 1 : (int)(8.0 * slope + 0.5);
     const double c = i / 8.0;
     const double t = (y - c * x) / (x + c * y);
     const double z = t * t;
-    const double p = z * (-1.0 / 3 + z * (1.0 / 5 + z * (-1.0 / 7 + z * (1.0 / 9 + z * (-1.0 / 11 +
-                     z * (1.0 / 13 + z * (-1.0 / 15)))))));
+    const double p =
+        z * (-1.0 / 3 +
+             z * (1.0 / 5 +
+                  z * (-1.0 / 7 +
+                       z * (1.0 / 9 +
+                            z * (-1.0 / 11 +
+                                 z * (1.0 / 13 + z * (-1.0 / 15 + z * (1.0 / 17))))))));
     const double rest = atan_eighths[i][1] + (t + t * p);
     const double angle = atan_eighths[i][0] + rest;
     *low = (atan_eighths[i][0] - angle) + rest;
     return angle;
 }
 
+/* (high + high_low) - (angle + *low), the rest to *low again. */
+static double take_from(double high, double high_low, double angle, double *low)
+{
+    const double difference = high - angle;
+    *low = ((high - difference) - angle) + (high_low - *low);
+    return difference;
+}
+
 double tribo_atan2(double y, double x)
 {
     const double ax = absolute(x);
     const double ay = absolute(y);
-    const int negative_y = (bits_of(y) >> 63) != 0;
-    const int negative_x = (bits_of(x) >> 63) != 0;
     if (!(ax - ax == 0.0) || !(ay - ay == 0.0)) {
         return double_of(0x7ff8000000000000u);
     }
@@ -313,12 +325,13 @@ double tribo_atan2(double y, double x)
         angle = ay <= ax ? octant_angle(s * ay, s * ax, &low) : octant_angle(s * ax, s * ay, &low);
     }
     if (ay > ax) {
-        angle = 1.5707963267948966 - (angle - (6.123233995736766e-17 - low));
+        angle = take_from(1.5707963267948966, 6.123233995736766e-17, angle, &low);
     }
-    if (negative_x) {
-        angle = 3.141592653589793 - (angle - (1.2246467991473532e-16 - (ay > ax ? 0.0 : low)));
+    if (bits_of(x) >> 63) {
+        angle = take_from(3.141592653589793, 1.2246467991473532e-16, angle, &low);
     }
-    return negative_y ? -angle : angle;
+    angle += low;
+    return bits_of(y) >> 63 ? -angle : angle;
 }
 
 double tribo_pow2_scale(double x)

@@ -209,3 +209,25 @@ int64_t solve_scaled(const kernel_problem *problem, double mu_s, double mu_d, do
     p[0] = p[1] = p[2] = 0.0;
     return mode;
 }
+
+tribo_status status_of_mode(int64_t mode)
+{
+    switch (mode) {
+    case KERNEL_JAM:
+        return TRIBO_ERROR_JAM;
+    case KERNEL_NOT_FINITE:
+        return TRIBO_ERROR_NOT_FINITE;
+    case KERNEL_RANGE:
+        return TRIBO_ERROR_RANGE;
+    case KERNEL_FRICTION:
+        return TRIBO_ERROR_FRICTION;
+    case KERNEL_RESTITUTION:
+        return TRIBO_ERROR_RESTITUTION;
+    case KERNEL_MATRIX:
+        return TRIBO_ERROR_CONTACT_MATRIX;
+    case KERNEL_IMMOVABLE:
+        return TRIBO_ERROR_IMMOVABLE;
+    default:
+        return TRIBO_OK;
+    }
+}

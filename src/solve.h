@@ -2,6 +2,8 @@
 #ifndef TRIBO_SOLVE_H
 #define TRIBO_SOLVE_H
 
+#include <tribo/base.h>
+
 #include "kernel.h"
 
 /* A scaled problem whose W need not be symmetric: row = (nt1, nt2), column = (t1n, t2n),
@@ -22,5 +24,8 @@ int64_t solve_slowly(const kernel_problem *problem, double mu_s, double mu_d, do
 /* The exact solve of a scaled problem; returns its mode or fault. */
 int64_t solve_scaled(const kernel_problem *problem, double mu_s, double mu_d, double p[3],
                      double *nu, uint32_t *iterations);
+
+/* The public status of a KERNEL_ mode or fault. */
+tribo_status status_of_mode(int64_t mode);
 
 #endif

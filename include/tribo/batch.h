@@ -43,8 +43,8 @@ TRIBO_API const char *tribo_isa_name(uint32_t isa);
  *  @param contacts   count contacts
  *  @param frames     width 9: receives the frames of tribo_basis_from_normal; may be null
  *  @param w          width 6: receives the matrices, as tribo_contact_matrix gives them
- *  @param statuses   width 1: receives a status per contact (TRIBO_ERROR_INDEX for a bad index); may be
- *                    null
+ *  @param statuses   width 1: receives a status per contact (TRIBO_ERROR_INDEX for a bad index,
+ *                    TRIBO_ERROR_ALIAS for the same body twice); may be null
  *  @return TRIBO_OK; the first status that is not TRIBO_OK by contact order; or, with nothing done,
  *          TRIBO_ERROR_NULL (arrays may be null if count is 0), TRIBO_ERROR_OPTION, TRIBO_ERROR_ISA. */
 TRIBO_API tribo_status tribo_batch_matrix(uint32_t isa, size_t body_count, const tribo_body *bodies,

@@ -74,7 +74,8 @@ TRIBO_API tribo_status tribo_body_world_inverse_inertia(const tribo_body *body, 
 
 /** Spin angular momentum about the centre of mass, world axes, kg m^2/s: R I R^T omega; an axis that
  *  cannot be turned contributes nothing.
- *  @return TRIBO_ERROR_NULL or a status of tribo_body_check. */
+ *  @return TRIBO_ERROR_NULL, a status of tribo_body_check, TRIBO_ERROR_INERTIA also where the inverse
+ *          inertia is singular in any other way than by zero rows. */
 TRIBO_API tribo_status tribo_body_spin(const tribo_body *body, double out[3]);
 
 /** Velocity of the body's point at `arm` from the centre of mass (world axes): v + omega x arm, m/s. */
@@ -96,10 +97,10 @@ TRIBO_API tribo_status tribo_body_apply_impulse(tribo_body *body, const double a
  *  error (free rotation as in Goldstein, Classical Mechanics, 3rd ed., 5.6). Bodies with equal
  *  moments cost less. Cost grows with |omega| dt beyond about half a radian per step.
  *  A body with locked axes (zero rows of inverse inertia) keeps the angular velocity that it has.
- *  An immovable body (zero inverse mass and inertia) moves with its velocities (kinematic).
+ *  A body with zero inverse mass is kinematic: it moves with its velocities and is not accelerated.
  *  @param dt >= 0; |omega| dt <= 1e5.
  *  @return TRIBO_ERROR_NULL, TRIBO_ERROR_NOT_FINITE, TRIBO_ERROR_TIME_STEP, TRIBO_ERROR_RANGE (result
- *          not finite), or a status of tribo_body_check. */
+ *          not finite), or a status of tribo_body_check (TRIBO_ERROR_INERTIA as in tribo_body_spin). */
 TRIBO_API tribo_status tribo_body_advance(tribo_body *body, const double acceleration[3], double dt);
 
 #ifdef __cplusplus

@@ -131,14 +131,15 @@ TRIBO_API tribo_status tribo_contact_velocity(const tribo_body *a, const tribo_b
  *  bit. Built in body axes as sum_k x_k . I_body^-1 x_l, x_k = R^T (r x n_k), so slender bodies lose no
  *  digits; immovable bodies cost nothing. b may be null: the world.
  *  @return TRIBO_ERROR_NULL, TRIBO_ERROR_NOT_FINITE, TRIBO_ERROR_NORMAL, TRIBO_ERROR_FRAME (rows not
- *          orthonormal to 1e-9), a status of tribo_body_check, TRIBO_ERROR_IMMOVABLE (W_nn = 0),
- *          TRIBO_ERROR_RANGE (an entry overflows). */
+ *          orthonormal to 1e-9), TRIBO_ERROR_ALIAS (a is b), a status of tribo_body_check,
+ *          TRIBO_ERROR_IMMOVABLE (W_nn = 0), TRIBO_ERROR_RANGE (an entry overflows). */
 TRIBO_API tribo_status tribo_contact_matrix(const tribo_body *a, const tribo_body *b,
                                             const tribo_contact *contact, const double frame[9],
                                             double w[6]);
 
 /** Apply p (contact coordinates, N s) as +p to A and -p to B. b may be null.
- *  @return TRIBO_ERROR_NULL, TRIBO_ERROR_NOT_FINITE, a status of tribo_body_check, TRIBO_ERROR_RANGE. */
+ *  @return TRIBO_ERROR_NULL, TRIBO_ERROR_NOT_FINITE, TRIBO_ERROR_ALIAS (a is b), a status of
+ *          tribo_body_check, TRIBO_ERROR_RANGE. */
 TRIBO_API tribo_status tribo_contact_apply(tribo_body *a, tribo_body *b, const tribo_contact *contact,
                                            const double frame[9], const double p[3]);
 
@@ -219,7 +220,8 @@ TRIBO_API tribo_status tribo_impact(const double w[6], const double u[3], const 
  *  @param options may be null: ALGEBRAIC
  *  @param info    may be null
  *  @return TRIBO_ERROR_NULL, TRIBO_ERROR_STRUCT_SIZE, TRIBO_ERROR_OPTION, TRIBO_ERROR_NOT_FINITE,
- *          TRIBO_ERROR_NORMAL, a status of tribo_body_check, tribo_material_check or tribo_impact. */
+ *          TRIBO_ERROR_NORMAL, TRIBO_ERROR_ALIAS (a is b), a status of tribo_body_check,
+ *          tribo_material_check or tribo_impact. */
 TRIBO_API tribo_status tribo_contact_resolve(tribo_body *a, tribo_body *b, const tribo_contact *contact,
                                              const tribo_material *pair,
                                              const tribo_impact_options *options,

@@ -134,7 +134,8 @@ TRIBO_API void tribo_skew_cross_apply(const double r[3], const double a[6], cons
 /** Orthonormal right-handed basis from a unit normal: rows (n, t1, t2) of `frame`, the first equal to n
  *  to the bit. x_contact = frame x_world.
  *
- *  Continuous everywhere but at n = (0, 0, -1), where t1 = (1, 0, 0), t2 = (0, -1, 0). (No basis is
+ *  Continuous everywhere but at n = (0, 0, -1) (and within 1e-150 of it), where t1 = (1, 0, 0),
+ *  t2 = (0, -1, 0). (No basis is
  *  continuous on the whole sphere.) At n = (0, 0, 1): t1 = (1, 0, 0), t2 = (0, 1, 0). Zeros of either
  *  sign give the same basis. Construction: rotate z to n about z x n; where n_z < 0 the denominator
  *  1 + n_z is formed without cancellation as (n_x^2 + n_y^2) / (1 - n_z).

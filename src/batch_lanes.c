@@ -1,0 +1,381 @@
+/* Eight contacts at a time. Each stage is one loop over the lanes around branch-free scalar arithmetic of
+ * kernel.h, which compilers turn into vector code; lanes that have settled are frozen, so each goes
+ * through exactly the operations of its scalar solve. Loading turns contact-major arrays into lanes. */
+#include "lanes.h"
+#include "rows.h"
+#include "solve.h"
+
+#ifndef TRIBO_LANES
+#define TRIBO_LANES baseline
+#endif
+#define PASTE_TWO(a, b) a##b
+#define PASTE(a, b) PASTE_TWO(a, b)
+
+typedef double lane_row[LANES];
+
+/* rows[k][i] = array[i * width + k], the last contact repeated in lanes beyond `count`. */
+TRIBO_ALWAYS_INLINE void load_rows(const double *array, int width, size_t count, lane_row *rows)
+{
+    for (size_t i = 0; i < LANES; i++) {
+        const double *from = array + (i < count ? i : count - 1) * (size_t)width;
+        for (int k = 0; k < width; k++) {
+            rows[k][i] = from[k];
+        }
+    }
+}
+
+/* ---- exact solve ----------------------------------------------------------------------------- */
+
+typedef struct lane_problem {
+    lane_row nn, n1, n2, t11, t12, t22, bn, b1, b2, up, up2;
+    int64_t fault[LANES];
+} lane_problem;
+
+typedef struct lane_slip {
+    lane_row a, inverse_a, bn, mu_s, mu_d, lam1, lam2, ex, ey, c1, c2, w1, w2;
+    lane_row A, B, C, alpha, beta, gamma, nu;
+    int64_t mode[LANES];
+} lane_slip;
+
+static void scale_lanes(const lane_row *w, const lane_row *b, lane_problem *out)
+{
+    for (int i = 0; i < LANES; i++) {
+        const double wi[6] = {w[0][i], w[1][i], w[2][i], w[3][i], w[4][i], w[5][i]};
+        const double bi[3] = {b[0][i], b[1][i], b[2][i]};
+        kernel_problem k;
+        kernel_scale(wi, bi, &k);
+        out->nn[i] = k.nn;
+        out->n1[i] = k.n1;
+        out->n2[i] = k.n2;
+        out->t11[i] = k.t11;
+        out->t12[i] = k.t12;
+        out->t22[i] = k.t22;
+        out->bn[i] = k.bn;
+        out->b1[i] = k.b1;
+        out->b2[i] = k.b2;
+        out->up[i] = k.up;
+        out->up2[i] = k.up2;
+        out->fault[i] = k.fault;
+    }
+}
+
+TRIBO_ALWAYS_INLINE kernel_problem problem_of(const lane_problem *p, int i)
+{
+    const kernel_problem k = {p->nn[i],  p->n1[i], p->n2[i], p->t11[i], p->t12[i], p->t22[i],
+                              p->bn[i],  p->b1[i], p->b2[i], p->up[i],  p->up2[i], p->fault[i]};
+    return k;
+}
+
+static void prepare_lanes(const lane_problem *p, const lane_row *mu, lane_slip *out)
+{
+    for (int i = 0; i < LANES; i++) {
+        const kernel_problem k = problem_of(p, i);
+        kernel_slip e;
+        kernel_prepare(&k, mu[0][i], mu[1][i], &e);
+        out->a[i] = e.a;
+        out->inverse_a[i] = e.inverse_a;
+        out->bn[i] = e.bn;
+        out->mu_s[i] = e.mu_s;
+        out->mu_d[i] = e.mu_d;
+        out->lam1[i] = e.lam1;
+        out->lam2[i] = e.lam2;
+        out->ex[i] = e.ex;
+        out->ey[i] = e.ey;
+        out->c1[i] = e.c1;
+        out->c2[i] = e.c2;
+        out->w1[i] = e.w1;
+        out->w2[i] = e.w2;
+        out->A[i] = e.A;
+        out->B[i] = e.B;
+        out->C[i] = e.C;
+        out->alpha[i] = e.alpha;
+        out->beta[i] = e.beta;
+        out->gamma[i] = e.gamma;
+        out->nu[i] = e.nu;
+        out->mode[i] = e.mode;
+    }
+}
+
+TRIBO_ALWAYS_INLINE kernel_slip slip_of(const lane_slip *s, int i)
+{
+    const kernel_slip e = {s->a[i],     s->inverse_a[i], s->bn[i],    s->mu_s[i], s->mu_d[i],
+                           s->lam1[i],  s->lam2[i],      s->ex[i],    s->ey[i],   s->c1[i],
+                           s->c2[i],    s->w1[i],        s->w2[i],    s->A[i],    s->B[i],
+                           s->C[i],     s->alpha[i],     s->beta[i],  s->gamma[i], s->nu[i],
+                           s->mode[i]};
+    return e;
+}
+
+/* One step of all lanes that slip and have not settled; open[i] is 1 there. Returns how many go on. */
+static int64_t step_lanes(lane_slip *s, int64_t *open)
+{
+    int64_t left = 0;
+    for (int i = 0; i < LANES; i++) {
+        const kernel_slip e = slip_of(s, i);
+        double nu = e.nu;
+        const int settled = kernel_halley(&e, &nu);
+        s->nu[i] = open[i] != 0 ? nu : e.nu;
+        open[i] = settled ? 0 : open[i];
+        left += open[i];
+    }
+    return left;
+}
+
+static void finish_lanes(const lane_slip *s, const lane_problem *k, lane_row *p)
+{
+    for (int i = 0; i < LANES; i++) {
+        const kernel_slip e = slip_of(s, i);
+        const int slips = e.mode == KERNEL_SLIP;
+        double impulse[3];
+        kernel_finish(&e, slips ? e.nu : 0.0, slips, impulse);
+        p[0][i] = impulse[0] * k->up[i] * k->up2[i];
+        p[1][i] = impulse[1] * k->up[i] * k->up2[i];
+        p[2][i] = impulse[2] * k->up[i] * k->up2[i];
+    }
+}
+
+/* Outcome of one lane to the caller's arrays. */
+static void store_lane(int64_t mode, const double p[3], double *out, uint32_t *out_mode,
+                       tribo_status *status)
+{
+    *status = status_of_mode(mode);
+    *out_mode = mode == KERNEL_FREE ? TRIBO_MODE_SLIP : (uint32_t)mode;
+    if (*status == TRIBO_OK && mode == KERNEL_OPEN) {
+        out[0] = out[1] = out[2] = 0.0;
+    } else if (*status == TRIBO_OK && all_finite(p, 3)) {
+        memcpy(out, p, 3 * sizeof *out);
+    } else if (*status == TRIBO_OK) {
+        *status = TRIBO_ERROR_RANGE;
+    }
+}
+
+/* A lane that the fast iteration is not for. */
+static void solve_lane_slowly(const lane_problem *problems, const lane_slip *s, int i, double p[3],
+                              int64_t *mode)
+{
+    const kernel_problem k = problem_of(problems, i);
+    uint32_t iterations = 0;
+    double nu;
+    *mode = solve_slowly(&k, s->mu_s[i], s->mu_d[i], p, &nu, &iterations);
+    for (int j = 0; j < 3; j++) {
+        p[j] = p[j] * k.up * k.up2;
+    }
+}
+
+static void solve_block(size_t count, const double *w, const double *b, const double *mu, double *p,
+                        uint32_t *modes, tribo_status *statuses)
+{
+    lane_row w_rows[6];
+    lane_row b_rows[3];
+    lane_row mu_rows[2];
+    lane_row p_rows[3];
+    lane_problem problem;
+    lane_slip slip;
+    int64_t open[LANES];
+    int64_t left = 0;
+    load_rows(w, 6, count, w_rows);
+    load_rows(b, 3, count, b_rows);
+    load_rows(mu, 2, count, mu_rows);
+    scale_lanes(w_rows, b_rows, &problem);
+    prepare_lanes(&problem, mu_rows, &slip);
+    for (int i = 0; i < LANES; i++) {
+        open[i] = slip.mode[i] == KERNEL_SLIP ? 1 : 0;
+        left += open[i];
+    }
+    for (int step = 0; step < MAX_HALLEY && left > 0; step++) {
+        left = step_lanes(&slip, open);
+    }
+    finish_lanes(&slip, &problem, p_rows);
+    for (int i = 0; i < LANES && (size_t)i < count; i++) {
+        double impulse[3] = {p_rows[0][i], p_rows[1][i], p_rows[2][i]};
+        int64_t mode = open[i] != 0 ? KERNEL_SLOW : slip.mode[i];
+        if (mode == KERNEL_SLOW) {
+            solve_lane_slowly(&problem, &slip, i, impulse, &mode);
+        }
+        store_lane(mode, impulse, p + 3 * i, modes + i, statuses + i);
+    }
+}
+
+static void solve(size_t count, const double *w, const double *b, const double *mu, double *p,
+                  uint32_t *modes, tribo_status *statuses)
+{
+    for (size_t i = 0; i < count; i += LANES) {
+        const size_t here = count - i < LANES ? count - i : LANES;
+        solve_block(here, w + 6 * i, b + 3 * i, mu + 2 * i, p + 3 * i, modes + i, statuses + i);
+    }
+}
+
+/* ---- ALGEBRAIC impact ------------------------------------------------------------------------ */
+
+static void impact_lanes(const lane_problem *problem, const lane_row *pair, lane_row *p,
+                         int64_t *modes)
+{
+    for (int i = 0; i < LANES; i++) {
+        const kernel_problem k = problem_of(problem, i);
+        kernel_algebraic result;
+        kernel_solve_algebraic(&k, pair[0][i], pair[1][i], pair[2][i], 0.0, &result);
+        p[0][i] = result.p[0] * k.up * k.up2;
+        p[1][i] = result.p[1] * k.up * k.up2;
+        p[2][i] = result.p[2] * k.up * k.up2;
+        modes[i] = result.mode;
+    }
+}
+
+static void impact_block(size_t count, const double *w, const double *u, const tribo_material *pairs,
+                         double *p, uint32_t *modes, tribo_status *statuses)
+{
+    lane_row w_rows[6];
+    lane_row u_rows[3];
+    lane_row pair_rows[3];
+    lane_row p_rows[3];
+    lane_problem problem;
+    int64_t mode[LANES];
+    load_rows(w, 6, count, w_rows);
+    load_rows(u, 3, count, u_rows);
+    load_rows(&pairs[0].mu_s, 3, count, pair_rows);
+    scale_lanes(w_rows, u_rows, &problem);
+    impact_lanes(&problem, pair_rows, p_rows, mode);
+    for (int i = 0; i < LANES && (size_t)i < count; i++) {
+        const double impulse[3] = {p_rows[0][i], p_rows[1][i], p_rows[2][i]};
+        store_lane(mode[i], impulse, p + 3 * i, modes + i, statuses + i);
+    }
+}
+
+static void impact(size_t count, const double *w, const double *u, const tribo_material *pairs,
+                   double *p, uint32_t *modes, tribo_status *statuses)
+{
+    for (size_t i = 0; i < count; i += LANES) {
+        const size_t here = count - i < LANES ? count - i : LANES;
+        impact_block(here, w + 6 * i, u + 3 * i, pairs + i, p + 3 * i, modes + i, statuses + i);
+    }
+}
+
+/* ---- contact matrix -------------------------------------------------------------------------- */
+
+typedef struct lane_body {
+    lane_row q[4], inverse_mass, inertia[6], arm[3];
+} lane_body;
+
+TRIBO_ALWAYS_INLINE void load_body(const tribo_body *body, const double arm[3], int i,
+                                   lane_body *out)
+{
+    for (int k = 0; k < 4; k++) {
+        out->q[k][i] = body->orientation[k];
+    }
+    for (int k = 0; k < 6; k++) {
+        out->inertia[k][i] = body->inverse_inertia[k];
+    }
+    for (int k = 0; k < 3; k++) {
+        out->arm[k][i] = arm[k];
+    }
+    out->inverse_mass[i] = body->inverse_mass;
+}
+
+static void frame_lanes(const lane_row *normal, lane_row *frame)
+{
+    for (int i = 0; i < LANES; i++) {
+        double rows[9];
+        basis_rows(normal[0][i], normal[1][i], normal[2][i], rows);
+        for (int k = 0; k < 9; k++) {
+            frame[k][i] = rows[k];
+        }
+    }
+}
+
+static void add_mobility_lanes(const lane_body *body, const lane_row *frame, lane_row *w)
+{
+    for (int i = 0; i < LANES; i++) {
+        double r[9];
+        double sum[6];
+        double rows[9];
+        const double arm[3] = {body->arm[0][i], body->arm[1][i], body->arm[2][i]};
+        const double inertia[6] = {body->inertia[0][i], body->inertia[1][i], body->inertia[2][i],
+                                   body->inertia[3][i], body->inertia[4][i], body->inertia[5][i]};
+        for (int k = 0; k < 9; k++) {
+            rows[k] = frame[k][i];
+        }
+        for (int k = 0; k < 6; k++) {
+            sum[k] = w[k][i];
+        }
+        rotation_rows(body->q[0][i], body->q[1][i], body->q[2][i], body->q[3][i], r);
+        kernel_add_mobility(r, inertia, arm, rows, sum);
+        for (int k = 0; k < 6; k++) {
+            w[k][i] = sum[k];
+        }
+    }
+}
+
+static int any_inertia(const lane_body *body)
+{
+    double sum = 0.0;
+    for (int i = 0; i < LANES; i++) {
+        sum += body->inertia[0][i] + body->inertia[3][i] + body->inertia[5][i];
+    }
+    return sum > 0.0;
+}
+
+static void matrix_lanes(const lane_body ends[2], const lane_row *frame, lane_row *w)
+{
+    for (int i = 0; i < LANES; i++) {
+        const double inverse_mass = ends[0].inverse_mass[i] + ends[1].inverse_mass[i];
+        w[0][i] = w[3][i] = w[5][i] = inverse_mass;
+        w[1][i] = w[2][i] = w[4][i] = 0.0;
+    }
+    for (int end = 0; end < 2; end++) {
+        if (any_inertia(&ends[end])) {
+            add_mobility_lanes(&ends[end], frame, w);
+        }
+    }
+}
+
+static void matrix_block(size_t body_count, const tribo_body *bodies, size_t count,
+                         const uint32_t *pairs, const tribo_contact *contacts, double *frames,
+                         double *w, tribo_status *statuses)
+{
+    lane_body ends[2];
+    lane_row normal[3];
+    lane_row frame[9];
+    lane_row matrix[6];
+    for (int i = 0; i < LANES; i++) {
+        const size_t at = (size_t)i < count ? (size_t)i : count - 1;
+        const tribo_body *pair[2];
+        statuses[at] = lanes_check_contact(body_count, bodies, pairs + 2 * at, contacts + at, pair);
+        load_body(pair[0], contacts[at].arm_a, i, &ends[0]);
+        load_body(pair[1], contacts[at].arm_b, i, &ends[1]);
+        for (int k = 0; k < 3; k++) {
+            normal[k][i] = contacts[at].normal[k];
+        }
+    }
+    frame_lanes(normal, frame);
+    matrix_lanes(ends, frame, matrix);
+    for (size_t i = 0; i < count && i < LANES; i++) {
+        double entries[6];
+        for (int k = 0; k < 6; k++) {
+            entries[k] = matrix[k][i] + 0.0;
+        }
+        if (statuses[i] == TRIBO_OK && !all_finite(entries, 6)) {
+            statuses[i] = TRIBO_ERROR_RANGE;
+        } else if (statuses[i] == TRIBO_OK && !(entries[0] > 0.0)) {
+            statuses[i] = TRIBO_ERROR_IMMOVABLE;
+        }
+        if (statuses[i] != TRIBO_OK) {
+            continue;
+        }
+        memcpy(w + 6 * i, entries, sizeof entries);
+        for (int k = 0; k < 9 && frames; k++) {
+            frames[9 * i + (size_t)k] = frame[k][i];
+        }
+    }
+}
+
+static void matrix(size_t body_count, const tribo_body *bodies, size_t count, const uint32_t *pairs,
+                   const tribo_contact *contacts, double *frames, double *w, tribo_status *statuses)
+{
+    for (size_t i = 0; i < count; i += LANES) {
+        const size_t here = count - i < LANES ? count - i : LANES;
+        matrix_block(body_count, bodies, here, pairs + 2 * i, contacts + i,
+                     frames ? frames + 9 * i : NULL, w + 6 * i, statuses + i);
+    }
+}
+
+const lanes_table PASTE(lanes_, TRIBO_LANES) = {matrix, solve, impact};
