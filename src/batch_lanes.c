@@ -37,7 +37,7 @@ typedef struct lane_slip {
     int64_t mode[LANES];
 } lane_slip;
 
-static void scale_lanes(const lane_row *w, const lane_row *b, lane_problem *out)
+static void scale_lanes(lane_row *w, lane_row *b, lane_problem *out)
 {
     for (int i = 0; i < LANES; i++) {
         const double wi[6] = {w[0][i], w[1][i], w[2][i], w[3][i], w[4][i], w[5][i]};
@@ -66,7 +66,7 @@ TRIBO_ALWAYS_INLINE kernel_problem problem_of(const lane_problem *p, int i)
     return k;
 }
 
-static void prepare_lanes(const lane_problem *p, const lane_row *mu, lane_slip *out)
+static void prepare_lanes(const lane_problem *p, lane_row *mu, lane_slip *out)
 {
     for (int i = 0; i < LANES; i++) {
         const kernel_problem k = problem_of(p, i);
@@ -207,7 +207,7 @@ static void solve(size_t count, const double *w, const double *b, const double *
 
 /* ---- ALGEBRAIC impact ------------------------------------------------------------------------ */
 
-static void impact_lanes(const lane_problem *problem, const lane_row *pair, lane_row *p,
+static void impact_lanes(const lane_problem *problem, lane_row *pair, lane_row *p,
                          int64_t *modes)
 {
     for (int i = 0; i < LANES; i++) {
@@ -271,7 +271,7 @@ TRIBO_ALWAYS_INLINE void load_body(const tribo_body *body, const double arm[3], 
     out->inverse_mass[i] = body->inverse_mass;
 }
 
-static void frame_lanes(const lane_row *normal, lane_row *frame)
+static void frame_lanes(lane_row *normal, lane_row *frame)
 {
     for (int i = 0; i < LANES; i++) {
         double rows[9];
@@ -282,7 +282,7 @@ static void frame_lanes(const lane_row *normal, lane_row *frame)
     }
 }
 
-static void add_mobility_lanes(const lane_body *body, const lane_row *frame, lane_row *w)
+static void add_mobility_lanes(const lane_body *body, lane_row *frame, lane_row *w)
 {
     for (int i = 0; i < LANES; i++) {
         double r[9];
@@ -314,7 +314,7 @@ static int any_inertia(const lane_body *body)
     return sum > 0.0;
 }
 
-static void matrix_lanes(const lane_body ends[2], const lane_row *frame, lane_row *w)
+static void matrix_lanes(const lane_body ends[2], lane_row *frame, lane_row *w)
 {
     for (int i = 0; i < LANES; i++) {
         const double inverse_mass = ends[0].inverse_mass[i] + ends[1].inverse_mass[i];
