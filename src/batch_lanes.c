@@ -27,17 +27,15 @@ TRIBO_ALWAYS_INLINE void load_rows(const double *array, int width, size_t count,
 /* ---- exact solve ----------------------------------------------------------------------------- */
 
 typedef struct lane_problem {
-    lane_row nn, n1, n2, t11, t12, t22, bn, b1, b2, up, up2;
-    int64_t fault[LANES];
+    lane_row nn, n1, n2, t11, t12, t22, bn, b1, b2, up, up2, fault;
 } lane_problem;
 
 typedef struct lane_slip {
     lane_row a, inverse_a, bn, mu_s, mu_d, lam1, lam2, ex, ey, c1, c2, w1, w2;
-    lane_row A, B, C, alpha, beta, gamma, nu;
-    int64_t mode[LANES];
+    lane_row A, B, C, alpha, beta, gamma, nu, mode;
 } lane_slip;
 
-static void scale_lanes(lane_row *w, lane_row *b, lane_problem *out)
+static void scale_lanes(lane_row *restrict w, lane_row *restrict b, lane_problem *restrict out)
 {
     for (int i = 0; i < LANES; i++) {
         const double wi[6] = {w[0][i], w[1][i], w[2][i], w[3][i], w[4][i], w[5][i]};
@@ -66,7 +64,8 @@ TRIBO_ALWAYS_INLINE kernel_problem problem_of(const lane_problem *p, int i)
     return k;
 }
 
-static void prepare_lanes(const lane_problem *p, lane_row *mu, lane_slip *out)
+static void prepare_lanes(const lane_problem *restrict p, lane_row *restrict mu,
+                          lane_slip *restrict out)
 {
     for (int i = 0; i < LANES; i++) {
         const kernel_problem k = problem_of(p, i);
@@ -107,21 +106,22 @@ TRIBO_ALWAYS_INLINE kernel_slip slip_of(const lane_slip *s, int i)
 }
 
 /* One step of all lanes that slip and have not settled; open[i] is 1 there. Returns how many go on. */
-static int64_t step_lanes(lane_slip *s, int64_t *open)
+static double step_lanes(lane_slip *restrict s, double *restrict open)
 {
-    int64_t left = 0;
+    double left = 0.0;
     for (int i = 0; i < LANES; i++) {
         const kernel_slip e = slip_of(s, i);
         double nu = e.nu;
         const int settled = kernel_halley(&e, &nu);
-        s->nu[i] = open[i] != 0 ? nu : e.nu;
-        open[i] = settled ? 0 : open[i];
+        s->nu[i] = open[i] != 0.0 ? nu : e.nu;
+        open[i] = settled ? 0.0 : open[i];
         left += open[i];
     }
     return left;
 }
 
-static void finish_lanes(const lane_slip *s, const lane_problem *k, lane_row *p)
+static void finish_lanes(const lane_slip *restrict s, const lane_problem *restrict k,
+                         lane_row *restrict p)
 {
     for (int i = 0; i < LANES; i++) {
         const kernel_slip e = slip_of(s, i);
@@ -135,7 +135,7 @@ static void finish_lanes(const lane_slip *s, const lane_problem *k, lane_row *p)
 }
 
 /* Outcome of one lane to the caller's arrays. */
-static void store_lane(int64_t mode, const double p[3], double *out, uint32_t *out_mode,
+static void store_lane(double mode, const double p[3], double *out, uint32_t *out_mode,
                        tribo_status *status)
 {
     *status = status_of_mode(mode);
@@ -151,7 +151,7 @@ static void store_lane(int64_t mode, const double p[3], double *out, uint32_t *o
 
 /* A lane that the fast iteration is not for. */
 static void solve_lane_slowly(const lane_problem *problems, const lane_slip *s, int i, double p[3],
-                              int64_t *mode)
+                              double *mode)
 {
     const kernel_problem k = problem_of(problems, i);
     uint32_t iterations = 0;
@@ -171,24 +171,24 @@ static void solve_block(size_t count, const double *w, const double *b, const do
     lane_row p_rows[3];
     lane_problem problem;
     lane_slip slip;
-    int64_t open[LANES];
-    int64_t left = 0;
+    lane_row open;
+    double left = 0.0;
     load_rows(w, 6, count, w_rows);
     load_rows(b, 3, count, b_rows);
     load_rows(mu, 2, count, mu_rows);
     scale_lanes(w_rows, b_rows, &problem);
     prepare_lanes(&problem, mu_rows, &slip);
     for (int i = 0; i < LANES; i++) {
-        open[i] = slip.mode[i] == KERNEL_SLIP ? 1 : 0;
+        open[i] = slip.mode[i] == KERNEL_SLIP ? 1.0 : 0.0;
         left += open[i];
     }
-    for (int step = 0; step < MAX_HALLEY && left > 0; step++) {
+    for (int step = 0; step < MAX_HALLEY && left > 0.0; step++) {
         left = step_lanes(&slip, open);
     }
     finish_lanes(&slip, &problem, p_rows);
     for (int i = 0; i < LANES && (size_t)i < count; i++) {
         double impulse[3] = {p_rows[0][i], p_rows[1][i], p_rows[2][i]};
-        int64_t mode = open[i] != 0 ? KERNEL_SLOW : slip.mode[i];
+        double mode = open[i] != 0.0 ? KERNEL_SLOW : slip.mode[i];
         if (mode == KERNEL_SLOW) {
             solve_lane_slowly(&problem, &slip, i, impulse, &mode);
         }
@@ -207,8 +207,8 @@ static void solve(size_t count, const double *w, const double *b, const double *
 
 /* ---- ALGEBRAIC impact ------------------------------------------------------------------------ */
 
-static void impact_lanes(const lane_problem *problem, lane_row *pair, lane_row *p,
-                         int64_t *modes)
+static void impact_lanes(const lane_problem *restrict problem, lane_row *restrict pair,
+                         lane_row *restrict p, double *restrict modes)
 {
     for (int i = 0; i < LANES; i++) {
         const kernel_problem k = problem_of(problem, i);
@@ -229,7 +229,7 @@ static void impact_block(size_t count, const double *w, const double *u, const t
     lane_row pair_rows[3];
     lane_row p_rows[3];
     lane_problem problem;
-    int64_t mode[LANES];
+    lane_row mode;
     load_rows(w, 6, count, w_rows);
     load_rows(u, 3, count, u_rows);
     load_rows(&pairs[0].mu_s, 3, count, pair_rows);

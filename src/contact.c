@@ -224,7 +224,7 @@ static tribo_status solve_unscaled(const double w[6], const double b[3], double 
     kernel_problem problem;
     double nu;
     kernel_scale(w, b, &problem);
-    const int64_t mode = solve_scaled(&problem, mu_s, mu_d, p, &nu, &full->iterations);
+    const double mode = solve_scaled(&problem, mu_s, mu_d, p, &nu, &full->iterations);
     const tribo_status status = status_of_mode(mode);
     if (status != TRIBO_OK) {
         return status;
@@ -317,7 +317,7 @@ tribo_status tribo_contact_solve_general(const double w[9], const double b[3], d
     };
     tribo_solve_info full = {0};
     double impulse[3];
-    const int64_t mode =
+    const double mode =
         solve_by_bisection(&problem, mu_s, mu_d, impulse, &full.nu, &full.iterations);
     if (status_of_mode(mode) != TRIBO_OK) {
         return status_of_mode(mode);
@@ -383,7 +383,7 @@ static tribo_status solve_impact(const double w[6], const double u[3], const tri
     if (problem.fault != KERNEL_OPEN) {
         return status_of_mode(problem.fault);
     }
-    const int64_t mode = impact_scaled(&problem, pair, options, p, full);
+    const double mode = impact_scaled(&problem, pair, options, p, full);
     if (status_of_mode(mode) != TRIBO_OK) {
         return status_of_mode(mode);
     }

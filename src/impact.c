@@ -1,14 +1,14 @@
 #include "impact.h"
 #include "solve.h"
 
-static int64_t frictionless(const kernel_problem *k, double e, double p[3])
+static double frictionless(const kernel_problem *k, double e, double p[3])
 {
     p[0] = -(1.0 + e) * k->bn / k->nn;
     p[1] = p[2] = 0.0;
     return k->b1 == 0.0 && k->b2 == 0.0 ? KERNEL_STICK : KERNEL_SLIP;
 }
 
-static int64_t algebraic(const kernel_problem *k, const tribo_material *pair, double e_t, double p[3],
+static double algebraic(const kernel_problem *k, const tribo_material *pair, double e_t, double p[3],
                          tribo_impact_info *info)
 {
     kernel_algebraic result;
@@ -18,7 +18,7 @@ static int64_t algebraic(const kernel_problem *k, const tribo_material *pair, do
     return result.mode;
 }
 
-static int64_t coulomb(const kernel_problem *k, const tribo_material *pair, double p[3],
+static double coulomb(const kernel_problem *k, const tribo_material *pair, double p[3],
                        tribo_impact_info *info)
 {
     kernel_problem bouncing = *k;
@@ -39,7 +39,7 @@ static double lecture_share(const kernel_problem *k, const tribo_material *pair,
 }
 
 /* p = W^-1 (wanted change of velocity), through the Schur complement of W_nn. */
-static int64_t lecture(const kernel_problem *k, const tribo_material *pair, uint32_t law, double p[3])
+static double lecture(const kernel_problem *k, const tribo_material *pair, uint32_t law, double p[3])
 {
     const double share = lecture_share(k, pair, law);
     const double change[3] = {-(1.0 + pair->e) * k->bn, -share * k->b1, -share * k->b2};
@@ -67,7 +67,7 @@ static int64_t lecture(const kernel_problem *k, const tribo_material *pair, uint
     return share == 1.0 ? KERNEL_STICK : KERNEL_SLIP;
 }
 
-int64_t impact_scaled(const kernel_problem *problem, const tribo_material *pair,
+double impact_scaled(const kernel_problem *problem, const tribo_material *pair,
                       const tribo_impact_options *options, double p[3], tribo_impact_info *info)
 {
     p[0] = p[1] = p[2] = 0.0;

@@ -11,21 +11,20 @@
 
 #include <math.h>
 
-/* What becomes of a problem. The first three are the public modes. */
-enum {
-    KERNEL_OPEN = 0,
-    KERNEL_STICK = 1,
-    KERNEL_SLIP = 2,
-    KERNEL_JAM = 3,
-    KERNEL_SLOW = 4,         /* outside of what the fast iteration is proven for: bisect */
-    KERNEL_NOT_FINITE = 5,   /* faults, in the order in which they are reported */
-    KERNEL_RANGE = 6,
-    KERNEL_FRICTION = 7,
-    KERNEL_RESTITUTION = 8,
-    KERNEL_MATRIX = 9,
-    KERNEL_IMMOVABLE = 10,
-    KERNEL_FREE = 11         /* no friction at all: slides, p_t = 0 */
-};
+/* What becomes of a problem; the first three are the public modes, faults stand in the order in which they
+ * are reported. Held in doubles, because lanes select doubles by comparisons of doubles. */
+#define KERNEL_OPEN 0.0
+#define KERNEL_STICK 1.0
+#define KERNEL_SLIP 2.0
+#define KERNEL_JAM 3.0
+#define KERNEL_SLOW 4.0 /* outside of what the fast iteration is proven for: bisect */
+#define KERNEL_FREE 5.0 /* no friction at all: slides, p_t = 0 */
+#define KERNEL_NOT_FINITE 6.0
+#define KERNEL_RANGE 7.0
+#define KERNEL_FRICTION 8.0
+#define KERNEL_RESTITUTION 9.0
+#define KERNEL_MATRIX 10.0
+#define KERNEL_IMMOVABLE 11.0
 
 #define SEMIDEFINITE_TOLERANCE 1e-12
 #define SINGULAR_TOLERANCE (8.0 * TRIBO_EPS)
@@ -41,7 +40,7 @@ typedef struct kernel_problem {
     double nn, n1, n2, t11, t12, t22;
     double bn, b1, b2;
     double up, up2; /* p of the caller's problem = (p of the scaled one) * up * up2 */
-    int64_t fault;  /* one of the faults above, or KERNEL_OPEN */
+    double fault;   /* one of the faults above, or KERNEL_OPEN */
 } kernel_problem;
 
 /* Scale W and b. up and up2 share the exponent between them, so that no product in between over- or
@@ -73,7 +72,7 @@ TRIBO_ALWAYS_INLINE void kernel_scale(const double w[6], const double b[3], kern
     const int out_of_range = (greatest_w > TRIBO_LARGE) | (greatest_b > TRIBO_LARGE) |
                              ((greatest_w < TRIBO_SMALL) & (greatest_w > 0.0));
     const int negative = (w[0] < 0.0) | (w[3] < 0.0) | (w[5] < 0.0) | (greatest_off > greatest_w);
-    int64_t fault = w[0] == 0.0 ? KERNEL_IMMOVABLE : KERNEL_OPEN;
+    double fault = w[0] == 0.0 ? KERNEL_IMMOVABLE : KERNEL_OPEN;
     fault = negative ? KERNEL_MATRIX : fault;
     fault = out_of_range ? KERNEL_RANGE : fault;
     out->fault = probe == 0.0 ? fault : KERNEL_NOT_FINITE;
@@ -109,7 +108,7 @@ typedef struct kernel_slip {
     double lam1, lam2, ex, ey, c1, c2, w1, w2;
     double A, B, C, alpha, beta, gamma;
     double nu;
-    int64_t mode; /* OPEN, STICK, SLIP, JAM, SLOW or a fault */
+    double mode; /* one of the above */
 } kernel_slip;
 
 TRIBO_ALWAYS_INLINE void kernel_prepare(const kernel_problem *k, double mu_s, double mu_d,
@@ -146,8 +145,10 @@ TRIBO_ALWAYS_INLINE void kernel_prepare(const kernel_problem *k, double mu_s, do
     const int singular2 = lam2_raw <= nothing;
     const double lam1 = singular1 ? 0.0 : lam1_raw;
     const double lam2 = singular2 ? 0.0 : lam2_raw;
-    const double c1 = (singular1 & (absolute(c1_raw) <= no_drive)) ? 0.0 : c1_raw;
-    const double c2 = (singular2 & (absolute(c2_raw) <= no_drive)) ? 0.0 : c2_raw;
+    const double c1_clean = absolute(c1_raw) <= no_drive ? 0.0 : c1_raw;
+    const double c2_clean = absolute(c2_raw) <= no_drive ? 0.0 : c2_raw;
+    const double c1 = singular1 ? c1_clean : c1_raw;
+    const double c2 = singular2 ? c2_clean : c2_raw;
     const double w1 = ex * k->n1 + ey * k->n2;
     const double w2 = ex * k->n2 - ey * k->n1;
 
@@ -208,13 +209,17 @@ TRIBO_ALWAYS_INLINE void kernel_prepare(const kernel_problem *k, double mu_s, do
     const int fast = (mu_d >= FAST_MIN) & (mu_s <= FAST_MAX) & (-k->bn >= FAST_MIN) &
                      (greatest_c >= FAST_MIN_DRIVE);
     const int within = mu_s * base_c >= side;
-    const int cannot_stick = (singular1 & (c1 != 0.0)) | (singular2 & (c2 != 0.0));
-    const int grows = singular1 ? B >= far_side : C >= side;
-    int64_t mode = within ? KERNEL_STICK : KERNEL_SLIP;
-    mode = cannot_stick ? (grows ? KERNEL_JAM : KERNEL_SLIP) : mode;
+    const double immobile_drive =
+        (singular1 ? absolute(c1) : 0.0) + (singular2 ? absolute(c2) : 0.0);
+    const double friction_gain = singular1 ? B : C;
+    const double sliding_gain = singular1 ? far_side : side;
+    double mode = within ? KERNEL_STICK : KERNEL_SLIP;
+    const double without = friction_gain >= sliding_gain ? KERNEL_JAM : KERNEL_SLIP;
+    mode = immobile_drive > 0.0 ? without : mode;
     mode = fast ? mode : KERNEL_SLOW;
     mode = alpha == 0.0 ? KERNEL_STICK : mode;
-    mode = ((mu_s == 0.0) & ((s.c1 != 0.0) | (s.c2 != 0.0))) ? KERNEL_FREE : mode;
+    const double unbraked = absolute(s.c1) + absolute(s.c2) > 0.0 ? KERNEL_FREE : mode;
+    mode = mu_s == 0.0 ? unbraked : mode;
     mode = k->bn >= 0.0 ? KERNEL_OPEN : mode;
     const double least = -SEMIDEFINITE_TOLERANCE * size;
     const int indefinite =
@@ -277,7 +282,7 @@ TRIBO_ALWAYS_INLINE void kernel_finish(const kernel_slip *e, double nu, int slip
 typedef struct kernel_algebraic {
     double p[3];
     double kappa;
-    int64_t mode;
+    double mode;
 } kernel_algebraic;
 
 TRIBO_ALWAYS_INLINE void kernel_solve_algebraic(const kernel_problem *k, double mu_s, double mu_d,
@@ -326,7 +331,7 @@ TRIBO_ALWAYS_INLINE void kernel_solve_algebraic(const kernel_problem *k, double 
 
     const double least = -SEMIDEFINITE_TOLERANCE * size;
     const int indefinite = (s.s11 < least) | (s.s22 < least) | (rest < least);
-    int64_t mode = sticks ? KERNEL_STICK : KERNEL_SLIP;
+    double mode = sticks ? KERNEL_STICK : KERNEL_SLIP;
     mode = k->bn >= 0.0 ? KERNEL_OPEN : mode;
     mode = indefinite ? KERNEL_MATRIX : mode;
     mode = k->fault != KERNEL_OPEN ? k->fault : mode;

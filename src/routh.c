@@ -195,7 +195,7 @@ static double outgoing_growth(const routh_basis *basis, double mu)
 }
 
 /* From u_t = 0 to the end. */
-static int run_from_rest(routh_problem *c, routh_state *state, int64_t *mode)
+static int run_from_rest(routh_problem *c, routh_state *state, double *mode)
 {
     const routh_basis basis = tangent_basis(c);
     routh_slope slope;
@@ -364,7 +364,7 @@ static int run_slip(routh_problem *c, double r, int force_linear, routh_state *s
     return run_linearly(c, &slope, growth < 0.0 ? -r / growth : -1.0, state);
 }
 
-int64_t routh_scaled(const kernel_problem *problem, const tribo_material *pair, uint32_t law,
+double routh_scaled(const kernel_problem *problem, const tribo_material *pair, uint32_t law,
                      double p[3], tribo_impact_info *info)
 {
     routh_problem c = {0};
@@ -385,7 +385,7 @@ int64_t routh_scaled(const kernel_problem *problem, const tribo_material *pair, 
     state.ut[0] = problem->b1;
     state.ut[1] = problem->b2;
     const double stopped = STOPPED * (absolute(problem->bn) + length_of(state.ut));
-    int64_t mode = KERNEL_SLIP;
+    double mode = KERNEL_SLIP;
     int ended = 0;
     while (ended == 0) {
         const double r = length_of(state.ut);

@@ -127,7 +127,7 @@ static void write_impulse(const solve_general *g, const slide *e, double mu, int
     out[2] = f * p[1] / e->scale;
 }
 
-int64_t solve_by_bisection(const solve_general *problem, double mu_s, double mu_d, double p[3],
+double solve_by_bisection(const solve_general *problem, double mu_s, double mu_d, double p[3],
                            double *nu, uint32_t *iterations)
 {
     slide e;
@@ -168,7 +168,7 @@ int64_t solve_by_bisection(const solve_general *problem, double mu_s, double mu_
     return KERNEL_SLIP;
 }
 
-int64_t solve_slowly(const kernel_problem *problem, double mu_s, double mu_d, double p[3], double *nu,
+double solve_slowly(const kernel_problem *problem, double mu_s, double mu_d, double p[3], double *nu,
                      uint32_t *iterations)
 {
     const solve_general g = {
@@ -182,14 +182,14 @@ int64_t solve_slowly(const kernel_problem *problem, double mu_s, double mu_d, do
     return solve_by_bisection(&g, mu_s, mu_d, p, nu, iterations);
 }
 
-int64_t solve_scaled(const kernel_problem *problem, double mu_s, double mu_d, double p[3],
+double solve_scaled(const kernel_problem *problem, double mu_s, double mu_d, double p[3],
                      double *nu, uint32_t *iterations)
 {
     kernel_slip e;
     kernel_prepare(problem, mu_s, mu_d, &e);
     *nu = 0.0;
     *iterations = 0;
-    int64_t mode = e.mode;
+    double mode = e.mode;
     if (mode == KERNEL_SLIP) {
         int settled = 0;
         *nu = e.nu;
@@ -210,24 +210,21 @@ int64_t solve_scaled(const kernel_problem *problem, double mu_s, double mu_d, do
     return mode;
 }
 
-tribo_status status_of_mode(int64_t mode)
+tribo_status status_of_mode(double mode)
 {
-    switch (mode) {
-    case KERNEL_JAM:
-        return TRIBO_ERROR_JAM;
-    case KERNEL_NOT_FINITE:
-        return TRIBO_ERROR_NOT_FINITE;
-    case KERNEL_RANGE:
-        return TRIBO_ERROR_RANGE;
-    case KERNEL_FRICTION:
-        return TRIBO_ERROR_FRICTION;
-    case KERNEL_RESTITUTION:
-        return TRIBO_ERROR_RESTITUTION;
-    case KERNEL_MATRIX:
-        return TRIBO_ERROR_CONTACT_MATRIX;
-    case KERNEL_IMMOVABLE:
-        return TRIBO_ERROR_IMMOVABLE;
-    default:
-        return TRIBO_OK;
-    }
+    static const tribo_status statuses[] = {
+        TRIBO_OK,
+        TRIBO_OK,
+        TRIBO_OK,
+        TRIBO_ERROR_JAM,
+        TRIBO_OK,
+        TRIBO_OK,
+        TRIBO_ERROR_NOT_FINITE,
+        TRIBO_ERROR_RANGE,
+        TRIBO_ERROR_FRICTION,
+        TRIBO_ERROR_RESTITUTION,
+        TRIBO_ERROR_CONTACT_MATRIX,
+        TRIBO_ERROR_IMMOVABLE,
+    };
+    return statuses[(int)mode];
 }

@@ -14,18 +14,18 @@ typedef struct solve_general {
 } solve_general;
 
 /* Impulse p of the scaled problem by bisection. Returns the mode (OPEN to JAM) or KERNEL_MATRIX. */
-int64_t solve_by_bisection(const solve_general *problem, double mu_s, double mu_d, double p[3],
+double solve_by_bisection(const solve_general *problem, double mu_s, double mu_d, double p[3],
                            double *nu, uint32_t *iterations);
 
 /* The same for a symmetric one. */
-int64_t solve_slowly(const kernel_problem *problem, double mu_s, double mu_d, double p[3], double *nu,
+double solve_slowly(const kernel_problem *problem, double mu_s, double mu_d, double p[3], double *nu,
                      uint32_t *iterations);
 
 /* The exact solve of a scaled problem; returns its mode or fault. */
-int64_t solve_scaled(const kernel_problem *problem, double mu_s, double mu_d, double p[3],
+double solve_scaled(const kernel_problem *problem, double mu_s, double mu_d, double p[3],
                      double *nu, uint32_t *iterations);
 
 /* The public status of a KERNEL_ mode or fault. */
-tribo_status status_of_mode(int64_t mode);
+tribo_status status_of_mode(double mode);
 
 #endif
