@@ -1,0 +1,141 @@
+#!/usr/bin/env bash
+# Same bits everywhere: the hashes of tests/golden/bits.c, one test for each compiler, optimisation,
+# instruction set and architecture, against tests/golden/bits.txt.
+#
+#   tests/golden.sh [--update]      --update writes bits.txt anew (gcc -O2, scalar) before comparing
+#
+# The sources are compiled here and not by the Makefile: what is under test is the source, under any flags.
+# The library as it was built is the first cell.
+set -u
+cd "${SRCDIR:-$(dirname "$0")/..}" || exit 2
+: "${BUILD:=$PWD/build}" "${CC:=gcc}"
+golden=tests/golden/bits.txt
+work=$BUILD/golden
+rm -rf "$work" && mkdir -p "$work" || exit 2
+
+flags=(-std=c99 -ffp-contract=off -fno-math-errno -fno-trapping-math -Iinclude -DTRIBO_BUILD)
+sources=()
+for source in src/*.c; do
+    [ "$source" = src/batch_lanes.c ] || sources+=("$source")
+done
+echo 'int main(void) { return 0; }' >"$work/nothing.c"
+
+# build PROGRAM COMPILER...: lanes for every level of x86-64 where the compiler makes x86-64 code.
+build()
+{
+    local program=$1 level levels=(baseline) objects=() define=()
+    shift
+    if "$@" -dM -E -x c /dev/null | grep -q __x86_64__; then
+        levels+=(x86_64_v3 x86_64_v4)
+        define=(-DTRIBO_HAVE_X86_64_LEVELS=1)
+    fi
+    for level in "${levels[@]}"; do
+        local march=()
+        case $level in
+        x86_64_v3) march=(-march=x86-64-v3) ;;
+        x86_64_v4) march=(-march=x86-64-v4 -mprefer-vector-width=512) ;;
+        esac
+        objects+=("$program.$level.o")
+        "$@" "${flags[@]}" "${march[@]}" "-DTRIBO_LANES=$level" -c src/batch_lanes.c \
+            -o "$program.$level.o" || return 1
+    done
+    "$@" "${flags[@]}" "${define[@]}" "${sources[@]}" tests/golden/bits.c "${objects[@]}" -lm \
+        -o "$program"
+}
+
+# compare NAME "ISA..." COMMAND...
+compare()
+{
+    local name=$1 isas=$2 isa out status
+    shift 2
+    for isa in $isas; do
+        out=$(TRIBO_ISA=$isa "$@" 2>&1)
+        status=$?
+        if [ $status -eq 77 ]; then
+            echo "ok - $name, $isa # SKIP this machine has no $isa"
+        elif [ $status -eq 0 ] && [ "$out" = "$(cat $golden)" ]; then
+            echo "ok - $name, $isa"
+        else
+            echo "not ok - $name, $isa"
+            echo "# exit status $status; < is this cell, > the golden:"
+            diff <(echo "$out") $golden | sed 's/^/# /'
+        fi
+    done
+}
+
+# cell NAME "ISA..." "RUNNER" COMPILER...
+cell()
+{
+    local name=$1 isas=$2 runner=$3 program=$work/${1//[^a-zA-Z0-9]/-} isa
+    shift 3
+    if ! { "$@" "$work/nothing.c" -o "$program.nothing" && $runner "$program.nothing"; } \
+        >"$program.log" 2>&1; then
+        for isa in $isas; do
+            echo "ok - $name, $isa # SKIP cannot build or run an empty program: $(head -n 1 "$program.log")"
+        done
+    elif ! build "$program" "$@" >"$program.log" 2>&1; then
+        for isa in $isas; do
+            echo "not ok - $name, $isa"
+        done
+        grep -m 5 -E 'error|undefined' "$program.log" | sed 's/^/# /'
+    else
+        compare "$name" "$isas" $runner "$program"
+    fi
+}
+
+# Two cells at a time; what each prints is kept apart and put in order at the end.
+cells=0
+start()
+{
+    while [ "$(jobs -rp | wc -l)" -ge 2 ]; do
+        wait -n
+    done
+    cells=$((cells + 1))
+    "$@" >"$work/$(printf '%03d' $cells).out" &
+}
+
+built_library()
+{
+    local program=$work/built
+    if ${CC} ${CFLAGS:-} "${flags[@]}" tests/golden/bits.c ${LDFLAGS:-} "$BUILD/libtribo_core.a" -lm \
+        -o "$program" 2>"$program.log"; then
+        compare "built library" "best scalar" "$program"
+    else
+        echo "not ok - built library"
+        head -n 5 "$program.log" | sed 's/^/# /'
+    fi
+}
+
+machine=$(uname -m)
+native="scalar baseline"
+[ "$machine" = x86_64 ] && native="scalar baseline x86-64-v3 x86-64-v4 best"
+runner_i686=qemu-i386
+[ "$machine" = x86_64 ] && runner_i686=
+runner_aarch64=qemu-aarch64
+[ "$machine" = aarch64 ] && runner_aarch64=
+wasm=(clang-16 --target=wasm32-wasi --sysroot=/usr)
+wasi="node --no-warnings tests/golden/wasi.mjs"
+
+if [ "${1:-}" = --update ]; then
+    build "$work/update" gcc -O2 && TRIBO_ISA=scalar "$work/update" >"$golden" || exit 1
+    cat $golden
+fi
+
+start built_library
+start cell "aarch64 gcc -O2" "scalar baseline" "$runner_aarch64" aarch64-linux-gnu-gcc -static -O2
+start cell "wasm32 clang -O2" "scalar baseline" "$wasi" "${wasm[@]}" -O2
+start cell "wasm32 clang -O2 simd128" "scalar baseline" "$wasi" "${wasm[@]}" -O2 -msimd128
+start cell "i686 gcc -O2 SSE2" "scalar baseline" "$runner_i686" \
+    i686-linux-gnu-gcc -static -O2 -msse2 -mfpmath=sse
+for compiler in gcc clang-16; do
+    for optimisation in -O0 -O2 -O3; do
+        start cell "$compiler $optimisation" "$native" "" $compiler $optimisation
+    done
+done
+wait
+
+cat "$work"/*.out | awk '
+    /^ok / { sub(/^ok/, "ok " ++n) }
+    /^not ok / { sub(/^not ok/, "not ok " ++n); failed = 1 }
+    { print }
+    END { print "1.." n; exit failed }'
