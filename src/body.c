@@ -302,7 +302,7 @@ tribo_status tribo_body_apply_impulse(tribo_body *body, const double arm[3], con
 
 /* ---- free flight ----------------------------------------------------------------------------- */
 
-enum { MAX_ORDER = 30 };
+enum { MAX_ORDER = 30, MAX_TRIES = 300000 }; /* 1e5 radians by halves, and a half more */
 #define TURN_PER_SUBSTEP 0.5
 #define SERIES_TOLERANCE 1e-17 /* of the last two terms, relative to the sum */
 
@@ -388,20 +388,19 @@ static tribo_status turn_freely(const double inverse_inertia[6], double dt, spin
     const double spin_norm = tribo_vec3_norm(state->spin);
     double left = dt;
     double shrink = 1.0;
-    for (double turned = 0.0; left > 0.0;) {
+    for (int tries = 0; left > 0.0; tries++) {
         double w[3];
         tribo_sym3_apply(inverse_inertia, state->spin, w);
         const double rate = tribo_vec3_norm(w);
         const double longest = shrink * TURN_PER_SUBSTEP;
         const double h = rate * left > longest ? longest / rate : left;
-        if (!(turned <= MAX_TURN) || !(shrink > 1e-6)) {
+        if (tries == MAX_TRIES) {
             return TRIBO_ERROR_TIME_STEP;
         }
         if (!taylor_step(inverse_inertia, h, state)) {
             shrink *= 0.5;
             continue;
         }
-        turned += rate * h;
         left = h < left ? left - h : 0.0;
         shrink = lesser(1.0, 2.0 * shrink);
     }

@@ -373,6 +373,8 @@ void problem_draw_impact(uint32_t set, uint64_t seed, uint64_t index, problem_im
         out->pair.mu_d *= problem_random_uniform(&random, 0.0, 1.0);
     }
     out->pair.e = draw_restitution(&random);
+    const double e_t = problem_random_uniform(&random, -1.0, 1.0);
+    out->tangential_restitution = one_in(&random, 4) ? e_t : 0.0;
 }
 
 /* ---- whole collisions ------------------------------------------------------------------------ */

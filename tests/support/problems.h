@@ -41,6 +41,7 @@ typedef struct problem_impact {
     double w[6];
     double u[3];
     tribo_material pair;
+    double tangential_restitution;
 } problem_impact;
 
 /** Two boxes, or one and the world, that meet at a point. */
@@ -77,7 +78,7 @@ void problem_random_direction(problem_random *random, size_t dimension, double o
 void problem_draw(uint32_t set, uint64_t seed, uint64_t index, problem_local *out);
 
 /** The same problem as an impact: u = b, mu_s = mu, mu_d = mu (half of them) or less, e in [0, 1]
- *  with the ends drawn one time in eight each. */
+ *  with the ends drawn one time in eight each; e_t = 0 (three of four) or in [-1, 1]. */
 void problem_draw_impact(uint32_t set, uint64_t seed, uint64_t index, problem_impact *out);
 
 /** Boxes of aspect up to 10 and mass 10^[-1, 2] kg near the origin, half of them with an inertia

@@ -368,6 +368,28 @@ double quad_condition(const double w[6])
     return least > 0 ? (double)(greatest / least) : HUGE_VAL;
 }
 
+static long double frobenius(const long double w[6])
+{
+    const long double off = w[1] * w[1] + w[2] * w[2] + w[4] * w[4];
+    return sqrtl(w[0] * w[0] + w[3] * w[3] + w[5] * w[5] + 2.0L * off);
+}
+
+double quad_condition_bound(const double w[6])
+{
+    long double m[6];
+    for (size_t i = 0; i < 6; i++) {
+        m[i] = (long double)w[i];
+    }
+    const long double cofactor[6] = {m[3] * m[5] - m[4] * m[4], m[2] * m[4] - m[1] * m[5],
+                                     m[1] * m[4] - m[2] * m[3], m[0] * m[5] - m[2] * m[2],
+                                     m[1] * m[2] - m[0] * m[4], m[0] * m[3] - m[1] * m[1]};
+    const long double determinant = m[0] * cofactor[0] + m[1] * cofactor[1] + m[2] * cofactor[2];
+    if (!(determinant > 0.0L)) {
+        return HUGE_VAL;
+    }
+    return (double)(frobenius(m) * (frobenius(cofactor) / determinant));
+}
+
 /* ---- bodies ---------------------------------------------------------------------------------- */
 
 static void cross(const quad_real a[3], const quad_real b[3], quad_real out[3])
