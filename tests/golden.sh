@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Same bits everywhere: the hashes of tests/golden/bits.c, one test for each compiler, optimisation,
-# instruction set and architecture, against tests/golden/bits.txt.
+# instruction set and architecture, against tests/golden/bits.txt; and the same layout of structs.
 #
 #   tests/golden.sh [--update]      --update writes bits.txt anew (gcc -O2, scalar) before comparing
 #
@@ -80,6 +80,13 @@ cell()
         grep -m 5 -E 'error|undefined' "$program.log" | sed 's/^/# /'
     else
         compare "$name" "$isas" $runner "$program"
+        "$@" "${flags[@]}" tests/abi/layout.c -o "$program.layout" 2>"$program.log"
+        if diff <($runner "$program.layout") tests/abi/layout.txt >>"$program.log"; then
+            echo "ok - $name, layout of structs"
+        else
+            echo "not ok - $name, layout of structs"
+            sed 's/^/# /' "$program.log"
+        fi
     fi
 }
 
