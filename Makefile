@@ -150,12 +150,6 @@ $(BUILD)/flags: FORCE
 
 # ---- the program, tests, benches and fuzz targets ------------------------------------------------------
 
-# __float128 functions are gcc's; programs that need them look at TRIBO_HAVE_QUADMATH.
-ifeq ($(shell $(CC) -x c -include quadmath.h -fsyntax-only /dev/null 2>/dev/null && echo yes),yes)
-QUADMATH := -DTRIBO_HAVE_QUADMATH=1
-QUADMATH_LIB := -lquadmath
-endif
-
 CLI_OBJECTS := $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard src/cli/*.c))
 SUPPORT_OBJECTS := $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard tests/support/*.c))
 FUZZ_OBJECTS := $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard fuzz/support/*.c)) $(SUPPORT_OBJECTS)
@@ -171,7 +165,7 @@ APP_OBJECTS := $(CLI_OBJECTS) $(FUZZ_OBJECTS) $(patsubst %.c,$(BUILD)/obj/%.o,\
 $(APP_OBJECTS): $(BUILD)/obj/%.o: %.c $(BUILD)/flags
 	@mkdir -p $(@D)
 	@echo "  CC      $<"
-	$(CC) $(COMMON) $(QUADMATH) $(DEPEND) -c -o $@ $<
+	$(CC) $(COMMON) -Itests/support $(DEPEND) -c -o $@ $<
 
 link = mkdir -p $(@D) && echo "  LD      $@" && $(CC) $(CFLAGS) $(LDFLAGS) -o $@ $(filter %.o %.a,$^)
 
@@ -179,22 +173,22 @@ $(BUILD)/tribo: $(CLI_OBJECTS) $(STATIC)
 	$(link) -lcsv -lm
 
 $(TESTS): $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(SUPPORT_OBJECTS) $(STATIC)
-	$(link) -lcmocka $(QUADMATH_LIB) -lm
+	$(link) -lcmocka -lm
 
 $(BENCHES): $(BUILD)/bench/%: $(BUILD)/obj/tests/bench/%.o $(SUPPORT_OBJECTS) $(STATIC)
-	$(link) $(QUADMATH_LIB) -lm
+	$(link) -lm
 
 $(RANDOMS): $(BUILD)/fuzz/%-random: $(BUILD)/obj/fuzz/%.o $(BUILD)/obj/fuzz/driver/random.o \
     $(FUZZ_OBJECTS) $(STATIC)
-	$(link) $(QUADMATH_LIB) -lm
+	$(link) -lm
 
 $(REPLAYS): $(BUILD)/fuzz/%-replay: $(BUILD)/obj/fuzz/%.o $(BUILD)/obj/fuzz/driver/replay.o \
     $(FUZZ_OBJECTS) $(STATIC)
-	$(link) $(QUADMATH_LIB) -lm
+	$(link) -lm
 
 # OSS-Fuzz and `make fuzz` name the engine: a flag such as -fsanitize=fuzzer, or an archive with a main.
 $(ENGINES): $(BUILD)/fuzz/%: $(BUILD)/obj/fuzz/%.o $(FUZZ_OBJECTS) $(STATIC)
-	$(link) $(LIB_FUZZING_ENGINE) $(QUADMATH_LIB) -lm
+	$(link) $(LIB_FUZZING_ENGINE) -lm
 
 -include $(patsubst %.o,%.d,$(LIB_OBJECTS) $(LANES_OBJECTS) $(APP_OBJECTS))
 
