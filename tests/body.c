@@ -499,6 +499,23 @@ static void test_bad_bodies(void **state)
     refuse_body(&body, TRIBO_ERROR_INERTIA);
 }
 
+/* Semidefinite, so a body it is, but singular in another way than by zero rows: it has no spin. */
+static void test_bodies_without_a_spin(void **state)
+{
+    tribo_body body = plain_body();
+    (void)state;
+    for (int i = 0; i < 6; i++) {
+        body.inverse_inertia[i] = 1.0;
+    }
+    body.angular_velocity[1] = 2.0;
+    const tribo_body start = body;
+    assert_int_equal(tribo_body_check(&body), TRIBO_OK);
+    memset(canvas, 0xa5, sizeof canvas);
+    REFUSED(TRIBO_ERROR_INERTIA, tribo_body_spin(&body, canvas));
+    assert_int_equal(tribo_body_advance(&body, NULL, 0.1), TRIBO_ERROR_INERTIA);
+    assert_memory_equal(&body, &start, sizeof body);
+}
+
 static void test_body_check_accepts(void **state)
 {
     tribo_body body = plain_body();
@@ -1207,6 +1224,7 @@ int main(void)
         cmocka_unit_test(test_set_mass_accepts),
         cmocka_unit_test(test_set_mass_refuses),
         cmocka_unit_test(test_bad_bodies),
+        cmocka_unit_test(test_bodies_without_a_spin),
         cmocka_unit_test(test_body_check_accepts),
         cmocka_unit_test(test_bad_arguments),
         cmocka_unit_test(test_results_out_of_range),
