@@ -31,7 +31,7 @@ typedef struct lane_problem {
 } lane_problem;
 
 typedef struct lane_slip {
-    lane_row a, inverse_a, bn, mu_s, mu_d, lam1, lam2, ex, ey, c1, c2, w1, w2;
+    lane_row inverse_a, bn, mu_s, inverse_mu, lam1, lam2, ex, ey, shrink, c1, c2, w1, w2;
     lane_row A, B, C, alpha, beta, gamma, nu, mode;
 } lane_slip;
 
@@ -71,15 +71,15 @@ static void prepare_lanes(const lane_problem *restrict p, lane_row *restrict mu,
         const kernel_problem k = problem_of(p, i);
         kernel_slip e;
         kernel_prepare(&k, mu[0][i], mu[1][i], &e);
-        out->a[i] = e.a;
         out->inverse_a[i] = e.inverse_a;
         out->bn[i] = e.bn;
         out->mu_s[i] = e.mu_s;
-        out->mu_d[i] = e.mu_d;
+        out->inverse_mu[i] = e.inverse_mu;
         out->lam1[i] = e.lam1;
         out->lam2[i] = e.lam2;
         out->ex[i] = e.ex;
         out->ey[i] = e.ey;
+        out->shrink[i] = e.shrink;
         out->c1[i] = e.c1;
         out->c2[i] = e.c2;
         out->w1[i] = e.w1;
@@ -97,10 +97,11 @@ static void prepare_lanes(const lane_problem *restrict p, lane_row *restrict mu,
 
 TRIBO_ALWAYS_INLINE kernel_slip slip_of(const lane_slip *s, int i)
 {
-    const kernel_slip e = {s->a[i],     s->inverse_a[i], s->bn[i],    s->mu_s[i], s->mu_d[i],
-                           s->lam1[i],  s->lam2[i],      s->ex[i],    s->ey[i],   s->c1[i],
-                           s->c2[i],    s->w1[i],        s->w2[i],    s->A[i],    s->B[i],
-                           s->C[i],     s->alpha[i],     s->beta[i],  s->gamma[i], s->nu[i],
+    const kernel_slip e = {s->inverse_a[i], s->bn[i],     s->mu_s[i], s->inverse_mu[i],
+                           s->lam1[i],      s->lam2[i],   s->ex[i],   s->ey[i],
+                           s->shrink[i],    s->c1[i],     s->c2[i],   s->w1[i],
+                           s->w2[i],        s->A[i],      s->B[i],    s->C[i],
+                           s->alpha[i],     s->beta[i],   s->gamma[i], s->nu[i],
                            s->mode[i]};
     return e;
 }
@@ -150,13 +151,13 @@ static void store_lane(double mode, const double p[3], double *out, uint32_t *ou
 }
 
 /* A lane that the fast iteration is not for. */
-static void solve_lane_slowly(const lane_problem *problems, const lane_slip *s, int i, double p[3],
+static void solve_lane_slowly(const lane_problem *problems, const double mu[2], int i, double p[3],
                               double *mode)
 {
     const kernel_problem k = problem_of(problems, i);
     uint32_t iterations = 0;
     double nu;
-    *mode = solve_slowly(&k, s->mu_s[i], s->mu_d[i], p, &nu, &iterations);
+    *mode = solve_slowly(&k, mu[0], mu[1], p, &nu, &iterations);
     for (int j = 0; j < 3; j++) {
         p[j] = p[j] * k.up * k.up2;
     }
@@ -190,7 +191,7 @@ static void solve_block(size_t count, const double *w, const double *b, const do
         double impulse[3] = {p_rows[0][i], p_rows[1][i], p_rows[2][i]};
         double mode = open[i] != 0.0 ? KERNEL_SLOW : slip.mode[i];
         if (mode == KERNEL_SLOW) {
-            solve_lane_slowly(&problem, &slip, i, impulse, &mode);
+            solve_lane_slowly(&problem, mu + 2 * i, i, impulse, &mode);
         }
         store_lane(mode, impulse, p + 3 * i, modes + i, statuses + i);
     }

@@ -3,7 +3,7 @@
  *
  * Everything here works on a contact matrix and a velocity that were scaled by powers of two to greatest
  * entries in [1, 2). Notation as in contact.h; a = W_nn, S the Schur complement of W_nn, lam1 >= lam2 its
- * eigenvalues, (ex, ey) the unit eigenvector of lam1, c and w in its eigenbasis. */
+ * eigenvalues, (ex, ey) the eigenvector of lam1 of length 1 / sqrt(shrink), c and w in that basis. */
 #ifndef TRIBO_KERNEL_H
 #define TRIBO_KERNEL_H
 
@@ -31,6 +31,7 @@
 #define FAST_MIN 8.6736173798840355e-19     /* 2^-60: bounds of mu and |b_n| for the fast iteration */
 #define FAST_MAX 1152921504606846976.0      /* 2^60 */
 #define FAST_MIN_DRIVE 7.8886090522101181e-31 /* 2^-100: least |c| */
+#define ISOTROPIC 1e-100              /* difference of eigenvalues that counts as none */
 #define STEP_TOLERANCE 9.5367431640625e-07    /* 2^-20: the next error is the cube */
 
 enum { MAX_HALLEY = 12 };
@@ -98,14 +99,14 @@ TRIBO_ALWAYS_INLINE void kernel_reduce(const kernel_problem *k, kernel_schur *ou
     out->c2 = l2 * k->bn - k->b2;
 }
 
-/* The slip equation N(nu) = a sqrt(q(nu)) in the eigenbasis of S, where numerator and square are plain
+/* The slip equation N(nu) = sqrt(q(nu)) in the eigenbasis of S, where numerator and square are plain
  * quadratics (both sides of mu p_n = |p_t|, times a det(S + nu 1)):
  *   N = A nu^2 + B nu + C,  q = alpha nu^2 + 2 beta nu + gamma.
  * Each coefficient is a sum that cancels no more than the law itself does; squaring the equation into
  * a quartic is what loses digits. */
 typedef struct kernel_slip {
-    double a, inverse_a, bn, mu_s, mu_d;
-    double lam1, lam2, ex, ey, c1, c2, w1, w2;
+    double inverse_a, bn, mu_s, inverse_mu;
+    double lam1, lam2, ex, ey, shrink, c1, c2, w1, w2;
     double A, B, C, alpha, beta, gamma;
     double nu;
     double mode; /* one of the above */
@@ -117,18 +118,19 @@ TRIBO_ALWAYS_INLINE void kernel_prepare(const kernel_problem *k, double mu_s, do
     kernel_schur s;
     kernel_reduce(k, &s);
 
-    /* Eigenvectors without cancellation: (r + |d|, s12) is along lam1 if d >= 0, across it else. */
+    /* Eigenvectors without cancellation: (x, s12), x = r + |d|, is along lam1 if d >= 0, across it else. They
+     * stay as long as they are; where two of them meet, 1 / length^2 makes up for it. Where S is a multiple
+     * of 1, to more digits than there are, any direction will do. */
     const double trace = s.s11 + s.s22;
     const double d = 0.5 * (s.s11 - s.s22);
-    const double ad = absolute(d);
     const double r = sqrt(d * d + s.s12 * s.s12);
-    const double x = r + ad;
-    const double length = sqrt(x * x + s.s12 * s.s12);
-    const double inverse_length = 1.0 / (length > 0.0 ? length : 1.0);
-    const double cx = length > 0.0 ? x * inverse_length : 1.0;
-    const double cy = s.s12 * inverse_length;
-    const double ex = d >= 0.0 ? cx : cy;
-    const double ey = d >= 0.0 ? cy : cx;
+    const double x_raw = r + absolute(d);
+    const int distinct = x_raw > ISOTROPIC;
+    const double x = distinct ? x_raw : 1.0;
+    const double y = distinct ? s.s12 : 0.0;
+    const double shrink = 1.0 / (x * x + y * y);
+    const double ex = d >= 0.0 ? x : y;
+    const double ey = d >= 0.0 ? y : x;
     const double lam1_raw = 0.5 * trace + r;
     const double determinant = s.s11 * s.s22 - s.s12 * s.s12;
     const double lam2_raw = determinant / (lam1_raw > 0.0 ? lam1_raw : 1.0);
@@ -145,17 +147,20 @@ TRIBO_ALWAYS_INLINE void kernel_prepare(const kernel_problem *k, double mu_s, do
     const int singular2 = lam2_raw <= nothing;
     const double lam1 = singular1 ? 0.0 : lam1_raw;
     const double lam2 = singular2 ? 0.0 : lam2_raw;
-    const double c1_clean = absolute(c1_raw) <= no_drive ? 0.0 : c1_raw;
-    const double c2_clean = absolute(c2_raw) <= no_drive ? 0.0 : c2_raw;
+    const double least_c = no_drive * x;
+    const double c1_clean = absolute(c1_raw) <= least_c ? 0.0 : c1_raw;
+    const double c2_clean = absolute(c2_raw) <= least_c ? 0.0 : c2_raw;
     const double c1 = singular1 ? c1_clean : c1_raw;
     const double c2 = singular2 ? c2_clean : c2_raw;
     const double w1 = ex * k->n1 + ey * k->n2;
     const double w2 = ex * k->n2 - ey * k->n1;
 
-    const double coupling1 = w1 * c1;
-    const double coupling2 = w2 * c2;
-    const double square1 = c1 * c1;
-    const double square2 = c2 * c2;
+    /* q is taken times a^2, so that the other side of the equation is sqrt q alone. */
+    const double coupling1 = w1 * c1 * shrink;
+    const double coupling2 = w2 * c2 * shrink;
+    const double unit = k->nn * k->nn * shrink;
+    const double square1 = c1 * c1 * unit;
+    const double square2 = c2 * c2 * unit;
     const double alpha = square1 + square2;
     const double beta = square1 * lam2 + square2 * lam1;
     const double gamma = square1 * (lam2 * lam2) + square2 * (lam1 * lam1);
@@ -165,32 +170,32 @@ TRIBO_ALWAYS_INLINE void kernel_prepare(const kernel_problem *k, double mu_s, do
     const double A = mu_d * base_a;
     const double B = mu_d * base_b;
     const double C = mu_d * base_c;
-    const double side = k->nn * sqrt(gamma);
+    const double side = sqrt(gamma);
 
     /* First guess. sqrt q is convex, so its tangents at 0 and at infinity lie below it, and with either in
      * place of sqrt q the slip equation is a quadratic whose greater root lies left of the greatest
      * root wanted. The greater of the two needs 1.4 to 2 steps on average. */
-    const double far_side = k->nn * sqrt(alpha);
-    const double far_rest = beta * far_side / alpha - C;
+    const double far_side = sqrt(alpha);
+    const double far_rest = beta / far_side - C;
     const double far_half = 0.5 * (far_side - B);
     const double far_square = far_half * far_half + A * far_rest;
     const double near_rest = side - C;
-    const double near_half = 0.5 * (beta * side / gamma - B);
+    const double near_half = 0.5 * (beta / side - B);
     const double near_square = near_half * near_half + A * near_rest;
     const double inverse_A = 1.0 / A;
     const double far_guess = (far_half + sqrt(far_square > 0.0 ? far_square : 0.0)) * inverse_A;
     const double near_guess = (near_half + sqrt(near_square)) * inverse_A;
     const double guess = far_guess > near_guess ? far_guess : near_guess;
 
-    out->a = k->nn;
     out->inverse_a = s.inverse_a;
     out->bn = k->bn;
     out->mu_s = mu_s;
-    out->mu_d = mu_d;
+    out->inverse_mu = 1.0 / mu_d;
     out->lam1 = lam1;
     out->lam2 = lam2;
     out->ex = ex;
     out->ey = ey;
+    out->shrink = shrink;
     out->c1 = c1;
     out->c2 = c2;
     out->w1 = w1;
@@ -207,7 +212,7 @@ TRIBO_ALWAYS_INLINE void kernel_prepare(const kernel_problem *k, double mu_s, do
      * as the slip it fights (N >= a sqrt q as nu -> 0) leaves no bounded solution. */
     const double greatest_c = greater(absolute(c1), absolute(c2));
     const int fast = (mu_d >= FAST_MIN) & (mu_s <= FAST_MAX) & (-k->bn >= FAST_MIN) &
-                     (greatest_c >= FAST_MIN_DRIVE);
+                     (greatest_c >= FAST_MIN_DRIVE * x);
     const int within = mu_s * base_c >= side;
     const double immobile_drive =
         (singular1 ? absolute(c1) : 0.0) + (singular2 ? absolute(c2) : 0.0);
@@ -234,9 +239,9 @@ TRIBO_ALWAYS_INLINE void kernel_prepare(const kernel_problem *k, double mu_s, do
     out->mode = mode;
 }
 
-/* One Halley step on mu p_n / |p_t| - 1 = N / (a sqrt q) - 1, nearly linear in nu; cubic convergence for
+/* One Halley step on mu p_n / |p_t| - 1 = N / sqrt q - 1, nearly linear in nu; cubic convergence for
  * the one square root and one division of Newton's. With T = N' q - N q'/2 the first two derivatives are
- * T / (a q^1.5) and (T' - 3 T q'/(2q)) / (a q^1.5). Returns 1 once a further step cannot change the result. */
+ * T / q^1.5 and (T' - 3 T q'/(2q)) / q^1.5. Returns 1 once a further step cannot change the result. */
 TRIBO_ALWAYS_INLINE int kernel_halley(const kernel_slip *e, double *nu)
 {
     const double x = *nu;
@@ -245,37 +250,35 @@ TRIBO_ALWAYS_INLINE int kernel_halley(const kernel_slip *e, double *nu)
     const double slope = slope0 + e->A * x;
     const double half_q_slope = e->alpha * x + e->beta;
     const double q = (half_q_slope + e->beta) * x + e->gamma;
-    const double excess = numerator - e->a * sqrt(q);
+    const double excess = numerator - sqrt(q);
     const double t = slope * q - numerator * half_q_slope;
     const double t_slope = (e->A + e->A) * q + (slope * half_q_slope - numerator * e->alpha);
     const double bend = q * t_slope - 3.0 * half_q_slope * t;
     const double step = excess * q * t / (0.5 * excess * bend - t * t);
     const double moved = x + step;
-    *nu = moved > 0.0 ? moved : 0.5 * x;
+    const double back = e->lam2 > 0.0 ? 0.0 : 0.5 * x; /* the left end is as near as may be */
+    *nu = moved > 0.0 ? moved : back;
     return absolute(step) <= STEP_TOLERANCE * (moved + e->lam2);
 }
 
-/* Impulse of the scaled problem from nu (slip) or nu = 0 (stick). Of the two sides of |p_t| = mu p_n the one
- * is kept that the other follows from with the smaller error; so the cone holds to a few ulp, also
- * where p_n is a small difference. A stick that rounding left just outside is brought back. */
+/* Impulse of the scaled problem from nu (slip) or nu = 0 (stick). Slip takes p_n from |p_t| = mu p_n, so the
+ * cone holds to an ulp or two also where p_n is a small difference; a stick that rounding left just
+ * outside of the cone is brought back. */
 TRIBO_ALWAYS_INLINE void kernel_finish(const kernel_slip *e, double nu, int slips, double p[3])
 {
     const double g1 = e->lam1 + nu;
     const double g2 = e->lam2 + nu;
     const double p1 = e->c1 / (g1 > 0.0 ? g1 : 1.0);
     const double p2 = e->c2 / (g2 > 0.0 ? g2 : 1.0);
-    const double length = sqrt(p1 * p1 + p2 * p2);
-    const double normal = -((e->bn + e->w1 * p1) + e->w2 * p2) * e->inverse_a;
-    const double mu = slips ? e->mu_d : e->mu_s;
-    const int by_length = slips & (mu >= 1.0);
-    const double ratio = (by_length ? length : mu * normal) / (by_length ? mu : length);
+    const double length = sqrt((p1 * p1 + p2 * p2) * e->shrink);
+    const double normal =
+        -(e->bn + (e->w1 * p1 + e->w2 * p2) * e->shrink) * e->inverse_a;
+    const double ratio = e->mu_s * normal / length;
     const double capped = ratio < 1.0 ? ratio : 1.0;
-    const double f = by_length ? 1.0 : slips ? ratio : capped;
-    const double q1 = f * p1;
-    const double q2 = f * p2;
-    p[0] = by_length ? ratio : normal;
-    p[1] = q1 * e->ex - q2 * e->ey;
-    p[2] = q1 * e->ey + q2 * e->ex;
+    const double f = (slips ? 1.0 : capped) * e->shrink;
+    p[0] = slips ? length * e->inverse_mu : normal;
+    p[1] = f * (p1 * e->ex - p2 * e->ey);
+    p[2] = f * (p1 * e->ey + p2 * e->ex);
 }
 
 /* The ALGEBRAIC law (contact.h) on a scaled problem whose b is the velocity before the impact. */
@@ -301,14 +304,15 @@ TRIBO_ALWAYS_INLINE void kernel_solve_algebraic(const kernel_problem *k, double 
     const double c_other = second ? s.c1 : s.c2;
     const int mobile = pivot > nothing;
     const double inverse_pivot = 1.0 / (mobile ? pivot : 1.0);
-    const double factor = s.s12 * inverse_pivot;
-    const double rest = other - factor * s.s12;
-    const int regular = mobile & (rest > nothing);
-    const double x_other = regular ? (c_other - factor * c_pivot) / (regular ? rest : 1.0) : 0.0;
+    const double determinant = pivot * other - s.s12 * s.s12;
+    const int regular = determinant > nothing * pivot;
+    const double solved = (c_other * pivot - s.s12 * c_pivot) / (regular ? determinant : 1.0);
+    const double x_other = regular ? solved : 0.0;
     const double x_pivot = mobile ? (c_pivot - s.s12 * x_other) * inverse_pivot : 0.0;
     const double x1 = second ? x_other : x_pivot;
     const double x2 = second ? x_pivot : x_other;
 
+    /* P_I = plastic n, P_II - P_I = (coupling, x). */
     const double plastic = -k->bn * s.inverse_a;
     const double normal_rest = (1.0 + e) * plastic;
     const double coupling = -(k->n1 * x1 + k->n2 * x2) * s.inverse_a;
@@ -316,21 +320,16 @@ TRIBO_ALWAYS_INLINE void kernel_solve_algebraic(const kernel_problem *k, double 
     const double full = 1.0 + e_t;
     const double full_normal = normal_rest + full * coupling;
     const int sticks = full * length <= mu_s * full_normal;
-    const double reach = length - mu_d * coupling;
-    const double limit = mu_d * normal_rest / (sticks ? 1.0 : reach);
-    const double kappa = sticks ? full : limit;
-    const double normal = normal_rest + kappa * coupling;
-    const int by_length = !sticks & (mu_d >= 1.0);
-    const double ratio = (by_length ? kappa * length : mu_d * normal) /
-                         (by_length ? mu_d : sticks ? 1.0 : length);
-    const double f = (sticks | by_length) ? kappa : ratio;
-    out->p[0] = by_length ? ratio : normal;
-    out->p[1] = f * x1;
-    out->p[2] = f * x2;
+    /* On the cone, |P_t| = mu P_n exactly: P_t = kappa x, P_n = normal_rest |x| / reach. */
+    const double share = normal_rest / (sticks ? 1.0 : length - mu_d * coupling);
+    const double kappa = sticks ? full : mu_d * share;
+    out->p[0] = sticks ? full_normal : share * length;
+    out->p[1] = kappa * x1;
+    out->p[2] = kappa * x2;
     out->kappa = kappa;
 
     const double least = -SEMIDEFINITE_TOLERANCE * size;
-    const int indefinite = (s.s11 < least) | (s.s22 < least) | (rest < least);
+    const int indefinite = (s.s11 < least) | (s.s22 < least) | (determinant < least * pivot);
     double mode = sticks ? KERNEL_STICK : KERNEL_SLIP;
     mode = k->bn >= 0.0 ? KERNEL_OPEN : mode;
     mode = indefinite ? KERNEL_MATRIX : mode;

@@ -20,6 +20,13 @@
 /* Greatest error of the running test, in units of its tolerance. */
 static double worst;
 
+static int fresh(void **state)
+{
+    (void)state;
+    worst = 0.0;
+    return 0;
+}
+
 static void within(double error, double tolerance)
 {
     const double units = error == 0.0 ? 0.0 : error / tolerance;
@@ -1212,39 +1219,41 @@ static void test_long_orientation(void **state)
     settle("orientation off unit length, 32 eps");
 }
 
+#define TEST(function) cmocka_unit_test_setup(function, fresh)
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_mass_against_quadrature),
-        cmocka_unit_test(test_mass_by_hand),
-        cmocka_unit_test(test_mass_of_the_test_body),
-        cmocka_unit_test(test_bad_shapes),
-        cmocka_unit_test(test_init),
-        cmocka_unit_test(test_set_mass_inverts),
-        cmocka_unit_test(test_set_mass_accepts),
-        cmocka_unit_test(test_set_mass_refuses),
-        cmocka_unit_test(test_bad_bodies),
-        cmocka_unit_test(test_bodies_without_a_spin),
-        cmocka_unit_test(test_body_check_accepts),
-        cmocka_unit_test(test_bad_arguments),
-        cmocka_unit_test(test_results_out_of_range),
-        cmocka_unit_test(test_world_inverse_inertia),
-        cmocka_unit_test(test_spin_of_locked_axes),
-        cmocka_unit_test(test_point_velocity),
-        cmocka_unit_test(test_apply_impulse),
-        cmocka_unit_test(test_free_rotation_table),
-        cmocka_unit_test(test_flips_about_the_middle_axis),
-        cmocka_unit_test(test_fast_rotation),
-        cmocka_unit_test(test_drift_over_100_seconds),
-        cmocka_unit_test(test_symmetric_top),
-        cmocka_unit_test(test_random_flights),
-        cmocka_unit_test(test_products_of_inertia),
-        cmocka_unit_test(test_one_big_step),
-        cmocka_unit_test(test_parabola_is_exact),
-        cmocka_unit_test(test_kinematic_body),
-        cmocka_unit_test(test_constant_angular_velocity),
-        cmocka_unit_test(test_nothing_moves_in_no_time),
-        cmocka_unit_test(test_long_orientation),
+        TEST(test_mass_against_quadrature),
+        TEST(test_mass_by_hand),
+        TEST(test_mass_of_the_test_body),
+        TEST(test_bad_shapes),
+        TEST(test_init),
+        TEST(test_set_mass_inverts),
+        TEST(test_set_mass_accepts),
+        TEST(test_set_mass_refuses),
+        TEST(test_bad_bodies),
+        TEST(test_bodies_without_a_spin),
+        TEST(test_body_check_accepts),
+        TEST(test_bad_arguments),
+        TEST(test_results_out_of_range),
+        TEST(test_world_inverse_inertia),
+        TEST(test_spin_of_locked_axes),
+        TEST(test_point_velocity),
+        TEST(test_apply_impulse),
+        TEST(test_free_rotation_table),
+        TEST(test_flips_about_the_middle_axis),
+        TEST(test_fast_rotation),
+        TEST(test_drift_over_100_seconds),
+        TEST(test_symmetric_top),
+        TEST(test_random_flights),
+        TEST(test_products_of_inertia),
+        TEST(test_one_big_step),
+        TEST(test_parabola_is_exact),
+        TEST(test_kinematic_body),
+        TEST(test_constant_angular_velocity),
+        TEST(test_nothing_moves_in_no_time),
+        TEST(test_long_orientation),
     };
     return cmocka_run_group_tests_name("body", tests, NULL, NULL);
 }

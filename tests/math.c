@@ -22,6 +22,13 @@ enum { TRIALS = 100000 };
 /* Greatest error of the running test, in units of its tolerance. */
 static double worst;
 
+static int fresh(void **state)
+{
+    (void)state;
+    worst = 0.0;
+    return 0;
+}
+
 static void within(double error, double tolerance)
 {
     const double units = error == 0.0 ? 0.0 : error / tolerance;
@@ -941,35 +948,37 @@ static void test_bad_input(void **state)
     }
 }
 
+#define TEST(function) cmocka_unit_test_setup(function, fresh)
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_vec3_by_hand),
-        cmocka_unit_test(test_vec3_outputs_may_be_inputs),
-        cmocka_unit_test(test_norm_has_no_range),
-        cmocka_unit_test(test_normalize),
-        cmocka_unit_test(test_mat3_exact),
-        cmocka_unit_test(test_sym3_is_the_full_matrix),
-        cmocka_unit_test(test_skew_is_the_cross_product),
-        cmocka_unit_test(test_skew_products_exact),
-        cmocka_unit_test(test_basis_at_the_axes),
-        cmocka_unit_test(test_basis_of_random_normals),
-        cmocka_unit_test(test_basis_is_the_rotation_of_z),
-        cmocka_unit_test(test_basis_near_minus_z),
-        cmocka_unit_test(test_basis_is_continuous),
-        cmocka_unit_test(test_basis_judges_the_length),
-        cmocka_unit_test(test_quaternions_by_hand),
-        cmocka_unit_test(test_quaternions_are_rotations),
-        cmocka_unit_test(test_quat_normalize),
-        cmocka_unit_test(test_rotation_vector),
-        cmocka_unit_test(test_quat_angle),
-        cmocka_unit_test(test_sin_cos_in_ulp),
-        cmocka_unit_test(test_sin_cos_next_to_multiples),
-        cmocka_unit_test(test_sin_cos_special),
-        cmocka_unit_test(test_atan2_in_ulp),
-        cmocka_unit_test(test_atan2_special),
-        cmocka_unit_test(test_pow2_scale),
-        cmocka_unit_test(test_bad_input),
+        TEST(test_vec3_by_hand),
+        TEST(test_vec3_outputs_may_be_inputs),
+        TEST(test_norm_has_no_range),
+        TEST(test_normalize),
+        TEST(test_mat3_exact),
+        TEST(test_sym3_is_the_full_matrix),
+        TEST(test_skew_is_the_cross_product),
+        TEST(test_skew_products_exact),
+        TEST(test_basis_at_the_axes),
+        TEST(test_basis_of_random_normals),
+        TEST(test_basis_is_the_rotation_of_z),
+        TEST(test_basis_near_minus_z),
+        TEST(test_basis_is_continuous),
+        TEST(test_basis_judges_the_length),
+        TEST(test_quaternions_by_hand),
+        TEST(test_quaternions_are_rotations),
+        TEST(test_quat_normalize),
+        TEST(test_rotation_vector),
+        TEST(test_quat_angle),
+        TEST(test_sin_cos_in_ulp),
+        TEST(test_sin_cos_next_to_multiples),
+        TEST(test_sin_cos_special),
+        TEST(test_atan2_in_ulp),
+        TEST(test_atan2_special),
+        TEST(test_pow2_scale),
+        TEST(test_bad_input),
     };
     return cmocka_run_group_tests_name("math", tests, NULL, NULL);
 }
