@@ -19,7 +19,7 @@ enum { SEED = 20240917, ITERATION_BINS = 128 };
 static const double solved = 1e-9;     /* eta beyond which a problem counts as failed */
 static const double worst_eta = 1e-11; /* what no problem may exceed */
 
-/* ---- helpers ------------------------------------------------------------------------------------ */
+/* ---- helpers --------------------------------------------------------------------------------- */
 
 static void print_problem(const char *what, const double w[6], const double b[3], double mu)
 {
@@ -48,7 +48,7 @@ static int compare_doubles(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* ---- a million of each -------------------------------------------------------------------------- */
+/* ---- a million of each ----------------------------------------------------------------------- */
 
 typedef struct tally {
     uint64_t modes[3];
@@ -135,7 +135,7 @@ static void solves_every_problem_of_a_set(void **state)
     }
 }
 
-/* ---- forward error ------------------------------------------------------------------------------- */
+/* ---- forward error --------------------------------------------------------------------------- */
 
 typedef struct forward {
     uint64_t several; /* problems with three solutions */
@@ -195,7 +195,7 @@ static void agrees_with_the_twin(void **state)
     }
 }
 
-/* ---- extremes ------------------------------------------------------------------------------------ */
+/* ---- extremes -------------------------------------------------------------------------------- */
 
 /* Brings the greatest diagonal entry of W and the greatest of b near 1, so that scales keep in range. */
 static void normalise(problem_local *problem)
@@ -316,7 +316,7 @@ static void solves_at_any_scale(void **state)
     assert_true(worst <= worst_eta);
 }
 
-/* ---- equal bits under powers of two --------------------------------------------------------------- */
+/* ---- equal bits under powers of two ---------------------------------------------------------- */
 
 static int same_bits(double a, double b)
 {
@@ -365,7 +365,7 @@ static void powers_of_two_scale_the_bits(void **state)
     assert_int_equal(failures, 0);
 }
 
-/* ---- static above dynamic friction ---------------------------------------------------------------- */
+/* ---- static above dynamic friction ----------------------------------------------------------- */
 
 static void static_and_dynamic_friction_differ(void **state)
 {
@@ -396,7 +396,7 @@ static void static_and_dynamic_friction_differ(void **state)
     }
 }
 
-/* ---- the judges are judged ------------------------------------------------------------------------- */
+/* ---- the judges are judged ------------------------------------------------------------------- */
 
 static void the_residual_sees_small_faults(void **state)
 {
