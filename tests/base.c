@@ -103,8 +103,8 @@ static void test_version(void **state)
 {
     char text[40];
     (void)state;
-    assert_int_equal(tribo_version(), TRIBO_VERSION_MAJOR * 10000 + TRIBO_VERSION_MINOR * 100 +
-                                          TRIBO_VERSION_PATCH);
+    assert_int_equal(tribo_version(),
+                     TRIBO_VERSION_MAJOR * 10000 + TRIBO_VERSION_MINOR * 100 + TRIBO_VERSION_PATCH);
     snprintf(text, sizeof text, "%d.%d.%d", TRIBO_VERSION_MAJOR, TRIBO_VERSION_MINOR,
              TRIBO_VERSION_PATCH);
     assert_string_equal(tribo_version_string(), text);

@@ -230,12 +230,12 @@ static void test_bad_shapes(void **state)
         REFUSED(TRIBO_ERROR_SHAPE, mass_of(shape, 0.0, good, mass, inertia));
         REFUSED(TRIBO_ERROR_SHAPE, mass_of(shape, -1.0, good, mass, inertia));
         REFUSED(TRIBO_ERROR_RANGE, mass_of(shape, DBL_MAX, good, mass, inertia));
-        REFUSED(TRIBO_ERROR_RANGE, mass_of(shape, 5e-324, (const double[3]){1e-3, 1e-3, 1e-3},
-                                           mass, inertia));
-        REFUSED(TRIBO_ERROR_RANGE, mass_of(shape, 1.0, (const double[3]){1e200, 1e200, 1e200},
-                                           mass, inertia));
-        REFUSED(TRIBO_ERROR_RANGE, mass_of(shape, 1.0, (const double[3]){1e-70, 1e-70, 1e-70},
-                                           mass, inertia));
+        REFUSED(TRIBO_ERROR_RANGE,
+                mass_of(shape, 5e-324, (const double[3]){1e-3, 1e-3, 1e-3}, mass, inertia));
+        REFUSED(TRIBO_ERROR_RANGE,
+                mass_of(shape, 1.0, (const double[3]){1e200, 1e200, 1e200}, mass, inertia));
+        REFUSED(TRIBO_ERROR_RANGE,
+                mass_of(shape, 1.0, (const double[3]){1e-70, 1e-70, 1e-70}, mass, inertia));
         for (int i = 0; i < 3; i++) {
             REFUSED(TRIBO_ERROR_NOT_FINITE, mass_of(shape, bad[i], good, mass, inertia));
             for (size_t k = 0; k < shape_lengths[shape]; k++) {
@@ -438,8 +438,8 @@ static tribo_body plain_body(void)
 {
     tribo_body body;
     tribo_body_init(&body);
-    assert_int_equal(
-        tribo_body_set_mass(&body, 2.0, (const double[9]){1, 0, 0, 0, 1, 0, 0, 0, 1}), TRIBO_OK);
+    assert_int_equal(tribo_body_set_mass(&body, 2.0, (const double[9]){1, 0, 0, 0, 1, 0, 0, 0, 1}),
+                     TRIBO_OK);
     return body;
 }
 
@@ -732,12 +732,12 @@ static void test_apply_impulse(void **state)
         for (int k = 0; k < 3; k++) {
             const int l = (k + 1) % 3;
             const int m = (k + 2) % 3;
-            torque[k] = (long double)arm[l] * (long double)p[m] -
-                        (long double)arm[m] * (long double)p[l];
+            torque[k] =
+                (long double)arm[l] * (long double)p[m] - (long double)arm[m] * (long double)p[l];
         }
         for (int k = 0; k < 3; k++) {
-            const long double v = (long double)start.velocity[k] +
-                                  (long double)p[k] * (long double)body.inverse_mass;
+            const long double v =
+                (long double)start.velocity[k] + (long double)p[k] * (long double)body.inverse_mass;
             const long double turn = inverse[3 * k] * torque[0] + inverse[3 * k + 1] * torque[1] +
                                      inverse[3 * k + 2] * torque[2];
             const double trace = (double)(inverse[0] + inverse[4] + inverse[8]);
@@ -757,9 +757,9 @@ static void test_apply_impulse(void **state)
     wall.velocity[0] = -0.0;
     wall.angular_velocity[1] = -0.0;
     const tribo_body still = wall;
-    assert_int_equal(tribo_body_apply_impulse(&wall, (const double[3]){1, 2, 3},
-                                              (const double[3]){-4, 5, -6}),
-                     TRIBO_OK);
+    assert_int_equal(
+        tribo_body_apply_impulse(&wall, (const double[3]){1, 2, 3}, (const double[3]){-4, 5, -6}),
+        TRIBO_OK);
     assert_memory_equal(&wall, &still, sizeof wall);
 }
 
@@ -914,8 +914,8 @@ static void test_drift_over_100_seconds(void **state)
     double mass;
     double inertia[9];
     (void)state;
-    assert_int_equal(
-        tribo_mass_box(1000.0, (const double[3]){0.05, 0.125, 0.25}, &mass, inertia), TRIBO_OK);
+    assert_int_equal(tribo_mass_box(1000.0, (const double[3]){0.05, 0.125, 0.25}, &mass, inertia),
+                     TRIBO_OK);
     for (size_t i = 0; i < 4; i++) {
         const double w = speeds[i];
         check_drift(spinning(inertia, 1e-3 * w, w, 1e-3 * w), inertia, 1.0 / 60.0, 6000);
@@ -1173,7 +1173,10 @@ static void test_kinematic_body(void **state)
 static void test_constant_angular_velocity(void **state)
 {
     static const double locked[][6] = {
-        {0, 0, 0, 1, 0, 2}, {3, 0, 0, 0, 0, 0}, {2, 0, 0, 2, 0, 0}, {0.5, 0, 0, 0.5, 0, 0.5},
+        {0, 0, 0, 1, 0, 2},
+        {3, 0, 0, 0, 0, 0},
+        {2, 0, 0, 2, 0, 0},
+        {0.5, 0, 0, 0.5, 0, 0.5},
     };
     (void)state;
     for (size_t i = 0; i < sizeof locked / sizeof locked[0]; i++) {

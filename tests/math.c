@@ -372,9 +372,8 @@ static void basis(const double n[3], double b[9])
 static void test_basis_at_the_axes(void **state)
 {
     static const double rows[][9] = {
-        {0, 0, 1, 1, 0, 0, 0, 1, 0},  {0, 0, -1, 1, 0, 0, 0, -1, 0},
-        {1, 0, 0, 0, 0, -1, 0, 1, 0}, {-1, 0, 0, 0, 0, 1, 0, 1, 0},
-        {0, 1, 0, 1, 0, 0, 0, 0, -1}, {0, -1, 0, 1, 0, 0, 0, 0, 1},
+        {0, 0, 1, 1, 0, 0, 0, 1, 0},  {0, 0, -1, 1, 0, 0, 0, -1, 0}, {1, 0, 0, 0, 0, -1, 0, 1, 0},
+        {-1, 0, 0, 0, 0, 1, 0, 1, 0}, {0, 1, 0, 1, 0, 0, 0, 0, -1},  {0, -1, 0, 1, 0, 0, 0, 0, 1},
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
@@ -783,8 +782,12 @@ static void test_sin_cos_next_to_multiples(void **state)
 
 static void test_sin_cos_special(void **state)
 {
-    const double outside[] = {nextafter(1048576.0, 2e6), -nextafter(1048576.0, 2e6), 1e300,
-                              INFINITE, -INFINITE, NOT_A_NUMBER};
+    const double outside[] = {nextafter(1048576.0, 2e6),
+                              -nextafter(1048576.0, 2e6),
+                              1e300,
+                              INFINITE,
+                              -INFINITE,
+                              NOT_A_NUMBER};
     double sine;
     double cosine;
     (void)state;
@@ -851,11 +854,13 @@ static void test_atan2_special(void **state)
         double x;
         double angle;
     } rows[] = {
-        {0.0, 1.0, 0.0},      {-0.0, 1.0, -0.0},     {0.0, -1.0, pi},   {-0.0, -1.0, -pi},
-        {1.0, 0.0, pi / 2},   {1.0, -0.0, pi / 2},   {-1.0, 0.0, -pi / 2}, {-1.0, -0.0, -pi / 2},
-        {1.0, 1.0, pi / 4},   {-1.0, 1.0, -pi / 4},  {1.0, -1.0, 0.75 * pi}, {-1, -1, -0.75 * pi},
-        {0.0, 0.0, 0.0},      {-0.0, 0.0, -0.0},     {0.0, -0.0, pi},   {-0.0, -0.0, -pi},
-        {5e-324, -1e300, pi}, {-5e-324, -1e300, -pi}, {1e300, 5e-324, pi / 2}, {3.0, 3.0, pi / 4},
+        {0.0, 1.0, 0.0},         {-0.0, 1.0, -0.0},      {0.0, -1.0, pi},
+        {-0.0, -1.0, -pi},       {1.0, 0.0, pi / 2},     {1.0, -0.0, pi / 2},
+        {-1.0, 0.0, -pi / 2},    {-1.0, -0.0, -pi / 2},  {1.0, 1.0, pi / 4},
+        {-1.0, 1.0, -pi / 4},    {1.0, -1.0, 0.75 * pi}, {-1, -1, -0.75 * pi},
+        {0.0, 0.0, 0.0},         {-0.0, 0.0, -0.0},      {0.0, -0.0, pi},
+        {-0.0, -0.0, -pi},       {5e-324, -1e300, pi},   {-5e-324, -1e300, -pi},
+        {1e300, 5e-324, pi / 2}, {3.0, 3.0, pi / 4},
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
