@@ -88,8 +88,8 @@ typedef struct guarantees {
     uint64_t modes[3];
 } guarantees;
 
-/* -(1 - e^2)/2 |P_I|^2_W - kappa (2 - kappa)/2 |P_II - P_I|^2_W. With S the Schur complement of W_nn
- * and c = -(u_t - w_t u_n / W_nn), |P_II - P_I|^2_W = c . S^-1 c. */
+/* -(1 - e^2)/2 |P_I|^2_W - kappa (2 - kappa)/2 |P_II - P_I|^2_W. With S the Schur complement of
+ * W_nn and c = -(u_t - w_t u_n / W_nn), |P_II - P_I|^2_W = c . S^-1 c. */
 static long double energy_by_identity(const problem_impact *problem, long double kappa)
 {
     const long double nn = (long double)problem->w[0];
@@ -187,8 +187,8 @@ static void algebraic_keeps_its_promises(void **state)
 /* ---- ALGEBRAIC: forward error ---------------------------------------------------------------- */
 
 /* Error of the library's impulse in units of eps cond(W). Where mu_d < mu_s the impulse jumps as
- * sticking gives way; so that a case on the very edge may fall to either side, a mu_s that differs by
- * rounding may explain the mode. */
+ * sticking gives way; so that a case on the very edge may fall to either side, a mu_s that differs
+ * by rounding may explain the mode. */
 static double error_of_algebraic(const problem_impact *problem)
 {
     tribo_impact_info info = {0};

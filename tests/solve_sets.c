@@ -1,5 +1,5 @@
-/* The exact solve on six sets of a million problems each, judged by a residual computed apart from the
- * library and by a quad-precision twin; extreme scales; equal bits under powers of two. */
+/* The exact solve on six sets of a million problems each, judged by a residual computed apart from
+ * the library and by a quad-precision twin; extreme scales; equal bits under powers of two. */
 #include <tribo/contact.h>
 
 #include <math.h>
@@ -197,7 +197,7 @@ static void agrees_with_the_twin(void **state)
 
 /* ---- extremes -------------------------------------------------------------------------------- */
 
-/* Brings the greatest diagonal entry of W and the greatest of b near 1, so that scales keep in range. */
+/* Brings the greatest diagonal entry of W and the greatest of b to 1, so that scales keep in range. */
 static void normalise(problem_local *problem)
 {
     double *w = problem->w;

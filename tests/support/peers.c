@@ -13,7 +13,7 @@ const char *peer_name(uint32_t peer)
     return peer < PEERS ? names[peer] : "?";
 }
 
-/* ---- quartic ------------------------------------------------------------------------------------ */
+/* ---- quartic --------------------------------------------------------------------------------- */
 
 /* The slip problem with cleared denominators, D = det(T + nu 1) = nu^2 + d1 nu + d0:
  * D p_n = a2 nu^2 + a1 nu + a0, D p_t = c nu + e, and mu^2 (D p_n)^2 = |D p_t|^2. */
@@ -225,7 +225,7 @@ static uint32_t solve_quartic(uint32_t peer, const double w[6], const double b[3
     return steps;
 }
 
-/* ---- Alart-Curnier ------------------------------------------------------------------------------ */
+/* ---- Alart-Curnier --------------------------------------------------------------------------- */
 
 /* F(p) = (p_n - max(0, y_n), p_t - projection of y_t onto the disc of radius mu max(0, y_n)), with
  * y = p - rho (W p + b), and its generalised Jacobian. */

@@ -110,6 +110,14 @@ static void project(long double mu, long double x[3])
     }
 }
 
+void quad_project(const double x[3], double mu, long double out[3])
+{
+    for (size_t i = 0; i < 3; i++) {
+        out[i] = (long double)x[i];
+    }
+    project((long double)mu, out);
+}
+
 static long double length(const long double x[3])
 {
     return sqrtl(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);

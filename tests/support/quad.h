@@ -50,8 +50,8 @@ double quad_solution_error(const quad_solutions *solutions, const double p[3], s
 /** Condition number of W in the 2-norm; infinity if W is not positive definite. */
 double quad_condition(const double w[6]);
 
-/** Frobenius norms of W and its inverse multiplied, in long double: between the condition number and
- *  three times it, and a thousand times faster. Infinity if W is not positive definite. */
+/** Frobenius norms of W and its inverse multiplied, in long double: between the condition number
+ *  and three times it, and a thousand times faster. Infinity if W is not positive definite. */
 double quad_condition_bound(const double w[6]);
 
 /** eta of audit.h for p, in long double: fast, and independent of the library. */
@@ -59,6 +59,9 @@ double quad_eta(const double w[6], const double b[3], double mu, const double p[
 
 /** The same for an impulse that is not rounded to double. */
 double quad_eta_of(const double w[6], const double b[3], double mu, const long double p[3]);
+
+/** Point of the cone |p_t| <= mu p_n nearest to x, in long double. */
+void quad_project(const double x[3], double mu, long double out[3]);
 
 /** Contact matrix of the bodies as they stand; b may be null. */
 void quad_matrix(const tribo_body *a, const tribo_body *b, const tribo_contact *contact,
