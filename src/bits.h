@@ -2,6 +2,7 @@
 #ifndef TRIBO_BITS_H
 #define TRIBO_BITS_H
 
+#include <math.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -29,7 +30,7 @@ TRIBO_ALWAYS_INLINE double double_of(uint64_t bits)
 
 TRIBO_ALWAYS_INLINE double absolute(double x)
 {
-    return x < 0.0 ? -x : x;
+    return fabs(x);
 }
 
 TRIBO_ALWAYS_INLINE double greater(double a, double b)
@@ -42,14 +43,15 @@ TRIBO_ALWAYS_INLINE double lesser(double a, double b)
     return a < b ? a : b;
 }
 
-/* x - x is 0 for finite x and NaN for all others; a sum of such terms needs one test only. */
+/* x - x is 0 for finite x and NaN for all others; a sum of such terms needs one test only. Four sums, because
+ * one would be a chain of additions that wait for each other. */
 TRIBO_ALWAYS_INLINE double finite_probe(const double *x, int count)
 {
-    double sum = 0.0;
+    double sum[4] = {0.0, 0.0, 0.0, 0.0};
     for (int i = 0; i < count; i++) {
-        sum += x[i] - x[i];
+        sum[i & 3] += x[i] - x[i];
     }
-    return sum;
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
 TRIBO_ALWAYS_INLINE int all_finite(const double *x, int count)

@@ -56,9 +56,9 @@ tribo_status tribo_contact_check(const tribo_contact *contact)
     if (!contact) {
         return TRIBO_ERROR_NULL;
     }
-    if (!(finite_probe(contact->normal, 3) + finite_probe(contact->arm_a, 3) +
-              finite_probe(contact->arm_b, 3) ==
-          0.0)) {
+    double fields[sizeof *contact / sizeof(double)];
+    memcpy(fields, contact, sizeof *contact);
+    if (!all_finite(fields, sizeof fields / sizeof fields[0])) {
         return TRIBO_ERROR_NOT_FINITE;
     }
     return is_unit(contact->normal) ? TRIBO_OK : TRIBO_ERROR_NORMAL;
@@ -613,9 +613,10 @@ tribo_status tribo_friction_force(const double f[3], const double n[3], const tr
     if (!pair) {
         return TRIBO_ERROR_NULL;
     }
-    tribo_status status = check_force(f, n, force);
-    if (status == TRIBO_OK) {
-        status = tribo_material_check(pair);
+    tribo_status status = tribo_material_check(pair);
+    if (status != TRIBO_ERROR_NOT_FINITE) {
+        const tribo_status force_status = check_force(f, n, force);
+        status = force_status != TRIBO_OK ? force_status : status;
     }
     if (status != TRIBO_OK) {
         return status;

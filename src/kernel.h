@@ -223,7 +223,7 @@ TRIBO_ALWAYS_INLINE void kernel_prepare(const kernel_problem *k, double mu_s, do
     mode = immobile_drive > 0.0 ? without : mode;
     mode = fast ? mode : KERNEL_SLOW;
     mode = alpha == 0.0 ? KERNEL_STICK : mode;
-    const double unbraked = absolute(s.c1) + absolute(s.c2) > 0.0 ? KERNEL_FREE : mode;
+    const double unbraked = absolute(s.c1) + absolute(s.c2) > no_drive ? KERNEL_FREE : mode;
     mode = mu_s == 0.0 ? unbraked : mode;
     mode = k->bn >= 0.0 ? KERNEL_OPEN : mode;
     const double least = -SEMIDEFINITE_TOLERANCE * size;

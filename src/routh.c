@@ -19,7 +19,7 @@ enum { ORDER = 20, MAX_PIECES = 4000 };
 typedef struct routh_state {
     double un, ut[2];
     double pn, pt[2];
-    double work; /* integral of u_n dp_n in the present phase */
+    double work; /* integral of u_n dp_n */
 } routh_state;
 
 typedef struct routh_problem {
@@ -60,6 +60,12 @@ static double phase_gap(const routh_problem *c, double un, double pn, double wor
     return (c->law == TRIBO_LAW_ROUTH_POISSON ? pn : work) - c->goal;
 }
 
+/* Poisson's and Stronge's restitution start anew if turning slip compresses the contact again. */
+static int may_compress_again(const routh_problem *c)
+{
+    return c->restituting && c->law != TRIBO_LAW_ROUTH_NEWTON;
+}
+
 /* Compression has ended; returns 1 if restitution has nothing to do. */
 static int begin_restitution(routh_problem *c, routh_state *state)
 {
@@ -73,10 +79,9 @@ static int begin_restitution(routh_problem *c, routh_state *state)
         c->goal = (1.0 + c->e) * state->pn;
         break;
     default:
-        c->goal = -c->e * c->e * state->work;
+        c->goal = (1.0 - c->e * c->e) * state->work;
         break;
     }
-    state->work = 0.0;
     return c->e == 0.0;
 }
 
@@ -111,8 +116,15 @@ static void advance_linearly(const routh_slope *slope, double length, routh_stat
  * at the end, -1 if it never comes. */
 static int run_linearly(routh_problem *c, const routh_slope *slope, double room, routh_state *state)
 {
-    for (int phase = 0; phase < 2; phase++) {
-        const double length = phase_length(c, state, slope->un);
+    for (;;) {
+        double length = phase_length(c, state, slope->un);
+        if (may_compress_again(c) && slope->un < 0.0) {
+            const double falling = -state->un / slope->un;
+            if (length < 0.0 || falling < length) {
+                c->restituting = 0;
+                length = -1.0;
+            }
+        }
         if (room >= 0.0 && (length < 0.0 || length > room)) {
             advance_linearly(slope, room, state);
             state->ut[0] = state->ut[1] = 0.0;
@@ -127,7 +139,6 @@ static int run_linearly(routh_problem *c, const routh_slope *slope, double room,
             return 1;
         }
     }
-    return 1;
 }
 
 static void slip_slope(const routh_problem *c, const double s[2], double growth, routh_slope *slope)
@@ -336,11 +347,18 @@ static int run_turning(routh_problem *c, routh_state *state)
     expand(c, state, &t);
     const double h = series_step(c, &t);
     evaluate(&t, h, &next);
-    if (phase_gap(c, next.un, next.pn, next.work) < 0.0) {
-        *state = next;
+    const int goes_on = phase_gap(c, next.un, next.pn, next.work) < 0.0;
+    if (!goes_on) {
+        evaluate(&t, event_time(c, &t, h), &next);
+    }
+    *state = next;
+    if (may_compress_again(c) && next.un < 0.0) {
+        c->restituting = 0;
         return 0;
     }
-    evaluate(&t, event_time(c, &t, h), state);
+    if (goes_on) {
+        return 0;
+    }
     return c->restituting || begin_restitution(c, state);
 }
 

@@ -9,8 +9,8 @@
  * - Pointers must be valid, aligned and of the stated length. An output may be the same array as an
  *   input unless said otherwise; partial overlap is not allowed.
  * - A function that can fail returns a tribo_status. Unless it returns TRIBO_OK, every output is
- *   untouched. Inputs are judged in the order: null pointers, struct sizes, option values, finiteness,
- *   ranges; the first fault found is returned.
+ *   untouched. Null pointers, struct sizes and option values are judged first, in this order; which of
+ *   several other faults is named is not specified.
  * - Functions that return no status accept finite input, and pass NaN and infinity on.
  * - Nothing allocates, aborts, prints or keeps state between calls. Every function may be called from
  *   any number of threads at once, as long as no two of them write the same output.

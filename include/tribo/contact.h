@@ -54,7 +54,8 @@ enum {
     /** Routh's incremental law: Coulomb friction along the growing normal impulse (Keller,
      *  J. Appl. Mech. 53 (1986) 1), ended by Newton's hypothesis u_n+ = -e u_n-. */
     TRIBO_LAW_ROUTH_NEWTON = 4,
-    /** ... ended by Poisson's: p_n = (1+e) p_n at greatest compression. */
+    /** ... ended by Poisson's: p_n = (1+e) p_n at greatest compression. Where slip that turns compresses
+     *  the contact a second time, the last compression counts, for this law and the next. */
     TRIBO_LAW_ROUTH_POISSON = 5,
     /** ... ended by Stronge's (J. Appl. Mech. 58 (1991) 1049): the normal work regained in restitution
      *  is e^2 times that spent in compression. */
@@ -190,8 +191,8 @@ TRIBO_API tribo_status tribo_contact_solve(const double w[6], const double b[3],
 /** The same for any W with W_nn > 0, symmetric or not (row by row), such as implicit integrators of
  *  gyroscopic terms give: pure bisection on the same scalar equation, some 1 us. If the sticking solve is
  *  singular, or the slip equation has no sign change, the contact jams.
- *  @return as tribo_contact_solve; TRIBO_ERROR_CONTACT_MATRIX if W_nn <= 0 or a tangential pivot of the
- *          Schur complement's symmetric part is negative. */
+ *  @return as tribo_contact_solve; TRIBO_ERROR_CONTACT_MATRIX if W_nn < 0 or the symmetric part of the
+ *          Schur complement of W_nn is not positive semidefinite. */
 TRIBO_API tribo_status tribo_contact_solve_general(const double w[9], const double b[3], double mu_s,
                                                    double mu_d, double p[3], tribo_solve_info *info);
 
