@@ -57,8 +57,8 @@ static tribo_status check_isa(uint32_t isa)
 
 /* ---- one contact after the other ------------------------------------------------------------- */
 
-tribo_status lanes_check_contact(size_t body_count, const tribo_body *bodies, const uint32_t pair[2],
-                                 const tribo_contact *contact, const tribo_body *ends[2])
+tribo_status lanes_check_pair(size_t body_count, const tribo_body *bodies, const uint32_t pair[2],
+                              const tribo_body *ends[2])
 {
     static const tribo_body world = {.orientation = {1.0, 0.0, 0.0, 0.0}};
     int known = 1;
@@ -73,10 +73,7 @@ tribo_status lanes_check_contact(size_t body_count, const tribo_body *bodies, co
     if (pair[0] == pair[1] && pair[0] != TRIBO_WORLD) {
         return TRIBO_ERROR_ALIAS;
     }
-    tribo_status status = tribo_contact_check(contact);
-    if (status == TRIBO_OK) {
-        status = tribo_body_check(ends[0]);
-    }
+    const tribo_status status = tribo_body_check(ends[0]);
     return status == TRIBO_OK ? tribo_body_check(ends[1]) : status;
 }
 
@@ -86,7 +83,10 @@ static void matrix_one(size_t body_count, const tribo_body *bodies, const uint32
 {
     const tribo_body *ends[2];
     double frame[9];
-    *status = lanes_check_contact(body_count, bodies, pair, contact, ends);
+    *status = lanes_check_pair(body_count, bodies, pair, ends);
+    if (*status == TRIBO_OK) {
+        *status = tribo_contact_check(contact);
+    }
     if (*status == TRIBO_OK) {
         tribo_basis_from_normal(contact->normal, frame);
         /* Both ends may be the world, which is one object. */

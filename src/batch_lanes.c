@@ -299,7 +299,7 @@ static void add_mobility_lanes(const lane_body *body, lane_row *frame, lane_row 
             sum[k] = w[k][i];
         }
         rotation_rows(body->q[0][i], body->q[1][i], body->q[2][i], body->q[3][i], r);
-        kernel_add_mobility(r, inertia, arm, rows, sum);
+        kernel_add_mobility(r, inertia, 0, arm, rows, sum);
         for (int k = 0; k < 6; k++) {
             w[k][i] = sum[k];
         }
@@ -337,10 +337,15 @@ static void matrix_block(size_t body_count, const tribo_body *bodies, size_t cou
     lane_row normal[3];
     lane_row frame[9];
     lane_row matrix[6];
+    const tribo_body *pair[2] = {NULL, NULL};
+    tribo_status pair_status = TRIBO_OK;
     for (int i = 0; i < LANES; i++) {
         const size_t at = (size_t)i < count ? (size_t)i : count - 1;
-        const tribo_body *pair[2];
-        statuses[at] = lanes_check_contact(body_count, bodies, pairs + 2 * at, contacts + at, pair);
+        /* The points of a manifold follow each other; their bodies are judged once. */
+        if (at == 0 || memcmp(pairs + 2 * at, pairs + 2 * at - 2, 2 * sizeof *pairs) != 0) {
+            pair_status = lanes_check_pair(body_count, bodies, pairs + 2 * at, pair);
+        }
+        statuses[at] = pair_status != TRIBO_OK ? pair_status : tribo_contact_check(contacts + at);
         load_body(pair[0], contacts[at].arm_a, i, &ends[0]);
         load_body(pair[1], contacts[at].arm_b, i, &ends[1]);
         for (int k = 0; k < 3; k++) {

@@ -43,15 +43,16 @@ TRIBO_ALWAYS_INLINE double lesser(double a, double b)
     return a < b ? a : b;
 }
 
-/* x - x is 0 for finite x and NaN for all others; a sum of such terms needs one test only. Four sums, because
- * one would be a chain of additions that wait for each other. */
+/* x - x is 0 for finite x and NaN for all others; a sum of such terms needs one test only. */
 TRIBO_ALWAYS_INLINE double finite_probe(const double *x, int count)
 {
-    double sum[4] = {0.0, 0.0, 0.0, 0.0};
-    for (int i = 0; i < count; i++) {
-        sum[i & 3] += x[i] - x[i];
+    double even = 0.0;
+    double odd = 0.0;
+    for (int i = 0; i + 1 < count; i += 2) {
+        even += x[i] - x[i];
+        odd += x[i + 1] - x[i + 1];
     }
-    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+    return count % 2 != 0 ? even + odd + (x[count - 1] - x[count - 1]) : even + odd;
 }
 
 TRIBO_ALWAYS_INLINE int all_finite(const double *x, int count)

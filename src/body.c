@@ -70,9 +70,11 @@ tribo_status tribo_body_check(const tribo_body *body)
     if (!body) {
         return TRIBO_ERROR_NULL;
     }
-    double fields[sizeof *body / sizeof(double)];
-    memcpy(fields, body, sizeof *body);
-    if (!all_finite(fields, sizeof fields / sizeof fields[0])) {
+    const double probe = (finite_probe(body->position, 3) + finite_probe(body->orientation, 4)) +
+                         (finite_probe(body->velocity, 3) + finite_probe(body->angular_velocity, 3)) +
+                         (finite_probe(&body->inverse_mass, 1) +
+                          finite_probe(body->inverse_inertia, 6));
+    if (!(probe == 0.0)) {
         return TRIBO_ERROR_NOT_FINITE;
     }
     const double *q = body->orientation;

@@ -56,9 +56,9 @@ tribo_status tribo_contact_check(const tribo_contact *contact)
     if (!contact) {
         return TRIBO_ERROR_NULL;
     }
-    double fields[sizeof *contact / sizeof(double)];
-    memcpy(fields, contact, sizeof *contact);
-    if (!all_finite(fields, sizeof fields / sizeof fields[0])) {
+    const double probe = finite_probe(contact->normal, 3) + finite_probe(contact->arm_a, 3) +
+                         finite_probe(contact->arm_b, 3);
+    if (!(probe == 0.0)) {
         return TRIBO_ERROR_NOT_FINITE;
     }
     return is_unit(contact->normal) ? TRIBO_OK : TRIBO_ERROR_NORMAL;
@@ -98,9 +98,14 @@ static void add_mobility(const tribo_body *body, const double arm[3], const doub
 {
     if (body && has_inertia(body)) {
         const double *q = body->orientation;
+        const double *j = body->inverse_inertia;
         double r[9];
         rotation_rows(q[0], q[1], q[2], q[3], r);
-        kernel_add_mobility(r, body->inverse_inertia, arm, frame, w);
+        if (j[1] == 0.0 && j[2] == 0.0 && j[4] == 0.0) {
+            kernel_add_mobility(r, j, 1, arm, frame, w);
+        } else {
+            kernel_add_mobility(r, j, 0, arm, frame, w);
+        }
     }
 }
 

@@ -344,8 +344,9 @@ TRIBO_ALWAYS_INLINE void kernel_solve_algebraic(const kernel_problem *k, double 
     out->mode = mode;
 }
 
-/* What one body adds to W: x_k . J x_l with x_k = R^T (r x n_k), in body axes. */
-TRIBO_ALWAYS_INLINE void kernel_add_mobility(const double r[9], const double j[6],
+/* What one body adds to W: x_k . J x_l with x_k = R^T (r x n_k), in body axes. A diagonal J saves
+ * products with zero, which change no bit but the signs of zeros. */
+TRIBO_ALWAYS_INLINE void kernel_add_mobility(const double r[9], const double j[6], int diagonal,
                                              const double arm[3], const double frame[9], double w[6])
 {
     double x[3][3];
@@ -363,9 +364,9 @@ TRIBO_ALWAYS_INLINE void kernel_add_mobility(const double r[9], const double j[6
         x[k][0] = x0;
         x[k][1] = x1;
         x[k][2] = x2;
-        z[k][0] = j[0] * x0 + j[1] * x1 + j[2] * x2;
-        z[k][1] = j[1] * x0 + j[3] * x1 + j[4] * x2;
-        z[k][2] = j[2] * x0 + j[4] * x1 + j[5] * x2;
+        z[k][0] = diagonal ? j[0] * x0 : j[0] * x0 + j[1] * x1 + j[2] * x2;
+        z[k][1] = diagonal ? j[3] * x1 : j[1] * x0 + j[3] * x1 + j[4] * x2;
+        z[k][2] = diagonal ? j[5] * x2 : j[2] * x0 + j[4] * x1 + j[5] * x2;
     }
     w[0] += x[0][0] * z[0][0] + x[0][1] * z[0][1] + x[0][2] * z[0][2];
     w[1] += x[0][0] * z[1][0] + x[0][1] * z[1][1] + x[0][2] * z[1][2];

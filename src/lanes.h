@@ -23,9 +23,8 @@ extern const lanes_table lanes_x86_64_v3;
 extern const lanes_table lanes_x86_64_v4;
 #endif
 
-/* Judge the bodies and the geometry of one contact; bodies receives A and B (an immovable body stands in
- * for the world). */
-tribo_status lanes_check_contact(size_t body_count, const tribo_body *bodies, const uint32_t pair[2],
-                                 const tribo_contact *contact, const tribo_body *ends[2]);
+/* Judge the bodies of one contact; ends receives A and B (an immovable body stands in for the world). */
+tribo_status lanes_check_pair(size_t body_count, const tribo_body *bodies, const uint32_t pair[2],
+                              const tribo_body *ends[2]);
 
 #endif
