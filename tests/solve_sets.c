@@ -197,7 +197,7 @@ static void agrees_with_the_twin(void **state)
 
 /* ---- extremes -------------------------------------------------------------------------------- */
 
-/* Brings the greatest diagonal entry of W and the greatest of b to 1, so that scales keep in range. */
+/* Brings the greatest diagonal entry of W and the greatest of b to 1, to keep scales in range. */
 static void normalise(problem_local *problem)
 {
     double *w = problem->w;

@@ -529,6 +529,12 @@ void quad_apply(const tribo_body *body, const double arm[3], const double frame[
 
 /* ---- impact laws ----------------------------------------------------------------------------- */
 
+int quad_stick(const quad_real w[6], const quad_real u[3], quad_real p[3])
+{
+    const quad_real opposite[3] = {-u[0], -u[1], -u[2]};
+    return invert(w, opposite, p);
+}
+
 void quad_frictionless(const quad_real w[6], const quad_real u[3], double e, quad_real p[3])
 {
     p[0] = u[0] < 0 ? -(1 + (quad_real)e) * u[0] / w[0] : 0;
@@ -552,10 +558,10 @@ quad_real quad_algebraic(const quad_real w[6], const quad_real u[3], const tribo
     const quad_real plastic = (1 + (quad_real)pair->e) * normal;
     const quad_real ceiling = 1 + (quad_real)tangential_restitution;
     p[0] = p[1] = p[2] = 0;
-    if (!(u[0] < 0) || !invert(w, u, sticking)) {
+    if (!(u[0] < 0) || !quad_stick(w, u, sticking)) {
         return 0;
     }
-    const quad_real step[3] = {-sticking[0] - normal, -sticking[1], -sticking[2]};
+    const quad_real step[3] = {sticking[0] - normal, sticking[1], sticking[2]};
     quad_real kappa = greatest_kappa((quad_real)pair->mu_s, plastic, step, ceiling);
     if (kappa < ceiling) {
         kappa = greatest_kappa((quad_real)pair->mu_d, plastic, step, ceiling);

@@ -71,6 +71,9 @@ void quad_matrix(const tribo_body *a, const tribo_body *b, const tribo_contact *
 void quad_velocity(const tribo_body *a, const tribo_body *b, const tribo_contact *contact,
                    const double frame[9], quad_real u[3]);
 
+/** Sticking impulse -W^-1 u; 0 if W is not positive definite. */
+int quad_stick(const quad_real w[6], const quad_real u[3], quad_real p[3]);
+
 /** Impulse of FRICTIONLESS. */
 void quad_frictionless(const quad_real w[6], const quad_real u[3], double e, quad_real p[3]);
 
