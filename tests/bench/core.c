@@ -708,24 +708,33 @@ static void write_table(const char *path)
     printf("\nwritten: %s\n", path);
 }
 
-/* One point per solver: x time, y worst eta. */
-static void plot_set(FILE *gnuplot, const problem_set *set)
+/* Points of one side: x time, y worst eta, label. Labels lean away from where points crowd. */
+static void plot_points(FILE *gnuplot, const problem_set *set, int peers)
 {
-    fprintf(gnuplot, "$data << END\n");
+    fprintf(gnuplot, "%s << END\n", peers ? "$peers" : "$tribo");
     for (size_t k = 0; k < row_count; k++) {
         const row *self = &rows[k];
-        if (self->set == set && self->load == load_local && self->eta_worst >= 0.0) {
-            const double worst = fmin(fmax(self->eta_worst, 1e-17), 10.0);
-            fprintf(gnuplot, "%g %g \"%s%s%s\" %d\n", self->median_ns, worst, self->kernel,
-                    self->run == run_batch_solve ? ", " : "",
-                    self->run == run_batch_solve ? self->isa_name : "", self->run != run_peer);
+        const int is_peer = self->run == run_peer;
+        if (self->set == set && self->load == load_local && self->eta_worst >= 0.0 &&
+            is_peer == peers) {
+            fprintf(gnuplot, "%g %g \"%s\"\n", self->median_ns,
+                    fmin(fmax(self->eta_worst, 1e-17), 10.0),
+                    is_peer ? self->kernel : self->isa_name);
         }
     }
-    fprintf(gnuplot, "END\nset title \"set %s\"\n", set->name);
-    fprintf(gnuplot, "plot $data using ($4==1?$1:1/0):2 with points pt 7 ps 0.8 lc '#1b6ca8' "
-                     "title 'tribo', '' using ($4==0?$1:1/0):2 with points pt 5 ps 0.8 lc "
-                     "'#c0392b' title 'peers', '' using 1:2:3 with labels left offset 0.7,0.4 "
-                     "font ',8' notitle\n");
+    fprintf(gnuplot, "END\n");
+}
+
+static void plot_set(FILE *gnuplot, const problem_set *set)
+{
+    plot_points(gnuplot, set, 0);
+    plot_points(gnuplot, set, 1);
+    fprintf(gnuplot, "set title \"set %s\"\n", set->name);
+    fprintf(gnuplot, "plot $tribo using 1:2 with points pt 7 ps 0.8 lc '#1b6ca8' title "
+                     "'exact solve, scalar and lanes', $peers using 1:2 with points pt 5 ps 0.8 "
+                     "lc '#c0392b' title 'peers', $tribo using 1:2:3 with labels left rotate by "
+                     "40 offset 0.3,0.5 font ',8' notitle, $peers using 1:2:3 with labels left "
+                     "rotate by -30 offset 0.5,-0.5 font ',8' notitle\n");
 }
 
 static void plot(const char *path, const problem_set *sets)
@@ -742,9 +751,9 @@ static void plot(const char *path, const problem_set *sets)
     }
     fprintf(gnuplot, "set terminal svg size 1100,800 font 'sans,11'\nset output '%s'\n", path);
     fprintf(gnuplot, "set multiplot layout 2,2\nset logscale xy\nset xrange [5:20000]\n"
-                     "set yrange [1e-18:100]\nset format y '10^{%%L}'\nset grid\n"
+                     "set yrange [1e-19:1e3]\nset format y '10^{%%L}'\nset grid\n"
                      "set xlabel 'ns per contact'\nset ylabel 'worst residual'\n"
-                     "set key top left\n");
+                     "set key center left\n");
     for (size_t k = 0; k < 4; k++) {
         plot_set(gnuplot, &sets[k]);
     }
