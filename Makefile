@@ -4,17 +4,17 @@
 #   make lib             the library alone; needs a C99 compiler and libm
 #   make install         into $(DESTDIR)$(PREFIX); uninstall takes it all away again
 #   make demo            run the program's demonstration
-#   make check           build and run all tests; the last line is "tests: N passed, M failed, K skipped"
+#   make check           build and run all tests; last line: "tests: N passed, M failed, K skipped"
 #   make check-sanitize  the same programs under AddressSanitizer and UBSan, and a clang build
 #   make bench           nanoseconds per call, next to the error
 #   make fuzz            TIME=60 seconds for each fuzz target; ENGINE=libfuzzer or afl
-#   make deps            install the Debian packages that demo and check need (they do so themselves)
+#   make deps            install the Debian packages that demo and check need (both do so anyway)
 #   make abi golden      write the goldens of tests/abi and tests/golden anew
 #   make docs format format-check clean
 #
-# Variables: PREFIX DESTDIR BUILD CC CFLAGS CPPFLAGS LDFLAGS, WERROR=1 (warnings are errors), V=1 (show
-# commands), V4_WIDTH (vector width in bits that the x86-64-v4 lanes prefer: 256 or 512).
-# Use one BUILD folder per set of flags. Within one, a change of compiler or flags rebuilds everything.
+# Variables: PREFIX DESTDIR BUILD CC CFLAGS CPPFLAGS LDFLAGS, WERROR=1 (warnings are errors), V=1
+# (show commands), V4_WIDTH (vector width in bits that the x86-64-v4 lanes prefer: 256 or 512).
+# Use one BUILD folder per set of flags: a change of compiler or flags rebuilds all that is in it.
 
 PREFIX ?= /usr/local
 DESTDIR ?=
@@ -49,10 +49,10 @@ ifneq ($(V),1)
 .SILENT:
 endif
 
-# ---- flags ---------------------------------------------------------------------------------------------
+# ---- flags ---------------------------------------------------------------------------------------
 
-# The promise of equal bits is kept by these flags. They come after the user's, so that CFLAGS cannot drop
-# them, and value-changing flags are refused, at linking too: those turn subnormal numbers off.
+# The promise of equal bits is kept by these flags. They come after the user's, so that CFLAGS can
+# not drop them, and value-changing flags are refused, at linking too: they turn subnormals off.
 FP := -ffp-contract=off -fno-math-errno -fno-trapping-math
 WARN := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes \
         -Wmissing-prototypes -Wvla -Wundef $(if $(filter 1,$(WERROR)),-Werror)
@@ -73,7 +73,7 @@ DEPEND = -MMD -MP
 # The lanes need the vectoriser, which -O2 of gcc keeps to the simplest loops.
 LANES_OPTIMIZE := $(if $(filter -O0 -O1 -Og,$(CFLAGS)),,-O3)
 
-# ---- the library ---------------------------------------------------------------------------------------
+# ---- the library ---------------------------------------------------------------------------------
 
 version_part = $(shell awk '$$2 == "TRIBO_VERSION_$(1)" { print $$3 }' include/tribo/base.h)
 MAJOR := $(call version_part,MAJOR)
@@ -148,7 +148,7 @@ $(BUILD)/flags: FORCE
 	{ echo '$(CC) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(FP) $(V4_WIDTH)'; $(CC) --version; } >$@.new
 	cmp -s $@.new $@ && rm $@.new || mv $@.new $@
 
-# ---- the program, tests, benches and fuzz targets ------------------------------------------------------
+# ---- the program, tests, benches and fuzz targets ------------------------------------------------
 
 CLI_OBJECTS := $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard src/cli/*.c))
 SUPPORT_OBJECTS := $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard tests/support/*.c))
@@ -167,7 +167,8 @@ $(APP_OBJECTS): $(BUILD)/obj/%.o: %.c $(BUILD)/flags
 	@echo "  CC      $<"
 	$(CC) $(COMMON) -Itests/support $(DEPEND) -c -o $@ $<
 
-link = mkdir -p $(@D) && echo "  LD      $@" && $(CC) $(CFLAGS) $(LDFLAGS) -o $@ $(filter %.o %.a,$^)
+link = mkdir -p $(@D) && echo "  LD      $@" && \
+       $(CC) $(CFLAGS) $(LDFLAGS) -o $@ $(filter %.o %.a,$^)
 
 $(BUILD)/tribo: $(CLI_OBJECTS) $(STATIC)
 	$(link) -lcsv -lm
@@ -186,13 +187,13 @@ $(REPLAYS): $(BUILD)/fuzz/%-replay: $(BUILD)/obj/fuzz/%.o $(BUILD)/obj/fuzz/driv
     $(FUZZ_OBJECTS) $(STATIC)
 	$(link) -lm
 
-# OSS-Fuzz and `make fuzz` name the engine: a flag such as -fsanitize=fuzzer, or an archive with a main.
+# OSS-Fuzz and `make fuzz` name the engine: a flag such as -fsanitize=fuzzer, or an archive.
 $(ENGINES): $(BUILD)/fuzz/%: $(BUILD)/obj/fuzz/%.o $(FUZZ_OBJECTS) $(STATIC)
 	$(link) $(LIB_FUZZING_ENGINE) -lm
 
 -include $(patsubst %.o,%.d,$(LIB_OBJECTS) $(LANES_OBJECTS) $(APP_OBJECTS))
 
-# ---- install -------------------------------------------------------------------------------------------
+# ---- install -------------------------------------------------------------------------------------
 
 install: all
 	$(INSTALL) -d '$(DESTDIR)$(bindir)' '$(DESTDIR)$(pkgconfigdir)' '$(DESTDIR)$(includedir)/tribo'
@@ -208,7 +209,7 @@ uninstall:
 	cd '$(DESTDIR)$(libdir)' && rm -f $(notdir $(STATIC) $(SHARED) $(LINKS))
 	cd '$(DESTDIR)$(includedir)' && rm -f $(HEADERS:include/%=%) && rmdir tribo
 
-# ---- demonstration, tests, benches ---------------------------------------------------------------------
+# ---- demonstration, tests, benches ---------------------------------------------------------------
 
 deps:
 	.ci/deps build demo check
@@ -221,9 +222,8 @@ demo:
 # What a test may ask of its environment. The paths are absolute; the working folder is this one.
 TEST_ENV = CMOCKA_MESSAGE_OUTPUT=TAP BUILD='$(abspath $(BUILD))' SRCDIR='$(CURDIR)' CC='$(CC)' \
            CFLAGS='$(CFLAGS)' CPPFLAGS='$(CPPFLAGS)' LDFLAGS='$(LDFLAGS)'
-PROPERTIES = $(TESTS:$(BUILD)/%=$(abspath $(BUILD))/%) \
-             $(foreach room,$(ROOMS),'$(abspath $(BUILD))/fuzz/$(room)-replay fuzz/corpus/$(room)') \
-             $(RANDOMS:$(BUILD)/%=$(abspath $(BUILD))/%)
+PROPERTIES = $(abspath $(TESTS) $(RANDOMS)) \
+             $(foreach room,$(ROOMS),'$(abspath $(BUILD)/fuzz/$(room)-replay) fuzz/corpus/$(room)')
 
 test-programs: lib $(TESTS) $(RANDOMS) $(REPLAYS)
 
@@ -260,7 +260,7 @@ check-sanitize:
 bench: $(BENCHES)
 	set -e; for bench in $(BENCHES); do $$bench; done
 
-# ---- fuzzing -------------------------------------------------------------------------------------------
+# ---- fuzzing -------------------------------------------------------------------------------------
 
 fuzz-targets: $(ENGINES)
 
@@ -296,7 +296,7 @@ fuzz-afl:
 	    test -z "$$(ls $$found/default/crashes)"; \
 	done
 
-# ---- goldens, documentation, style ---------------------------------------------------------------------
+# ---- goldens, documentation, style ---------------------------------------------------------------
 
 abi: lib
 	$(TEST_ENV) tests/abi.sh --update

@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
-# The binary interface against its goldens in tests/abi: symbols, layouts, and types as abidw sees them.
+# The binary interface against its goldens in tests/abi: symbols, layouts, and types as abidw sees
+# them.
 #
-#   tests/abi.sh [--update]      --update writes the goldens anew; do so only with a reason, in the same
-#                                commit as the change of the interface and its line in CHANGELOG.md
+#   tests/abi.sh [--update]      --update writes the goldens anew; do so only with a reason, in the
+#                                same commit as the change and its line in CHANGELOG.md
 #
-# Any difference fails. abidiff marks most breaks of a C interface (a reordered field, a float in place of a
-# double) merely as "changed", so its kind of exit status is not looked at, and nothing is suppressed.
+# Any difference fails. abidiff calls most breaks of a C interface (a reordered field, a float in
+# place of a double) merely "changed", so every exit status but 0 fails, and nothing is suppressed.
 set -u
 cd "${SRCDIR:-$(dirname "$0")/..}" || exit 2
 export LC_ALL=C
@@ -83,8 +84,8 @@ layout()
 with_debug_info()
 {
     if ! readelf -S "$library" | grep -q '\.debug_info'; then
-        MAKEFLAGS='' make -s lib BUILD="$work/build" CC=gcc CFLAGS='-O2 -g' LDFLAGS='' CPPFLAGS='' >&2 ||
-            return 1
+        MAKEFLAGS='' make -s lib BUILD="$work/build" CC=gcc CFLAGS='-O2 -g' LDFLAGS='' CPPFLAGS='' \
+            >&2 || return 1
         library=$(readlink -f "$work/build/libtribo_core.so")
     fi
     readelf -S "$library" | grep -q '\.debug_info'

@@ -4,8 +4,8 @@
 #
 #   tests/golden.sh [--update]      --update writes bits.txt anew (gcc -O2, scalar) before comparing
 #
-# The sources are compiled here and not by the Makefile: what is under test is the source, under any flags.
-# The library as it was built is the first cell.
+# The sources are compiled here and not by the Makefile: what is under test is the source, under any
+# flags. The library as it was built is the first cell.
 set -u
 cd "${SRCDIR:-$(dirname "$0")/..}" || exit 2
 : "${BUILD:=$PWD/build}" "${CC:=gcc}"
@@ -57,8 +57,8 @@ compare()
             echo "ok - $name, $isa"
         else
             echo "not ok - $name, $isa"
-            echo "# exit status $status; < is this cell, > the golden:"
-            diff <(echo "$out") $golden | sed 's/^/# /'
+            echo "# exit status $status; differs in:" \
+                "$(diff <(echo "$out") $golden | grep '^<' | tr -s '\n' ' ')"
         fi
     done
 }
@@ -71,7 +71,8 @@ cell()
     if ! { "$@" "$work/nothing.c" -o "$program.nothing" && $runner "$program.nothing"; } \
         >"$program.log" 2>&1; then
         for isa in $isas; do
-            echo "ok - $name, $isa # SKIP cannot build or run an empty program: $(head -n 1 "$program.log")"
+            echo "ok - $name, $isa # SKIP cannot build or run a program:" \
+                "$(head -n 1 "$program.log")"
         done
     elif ! build "$program" "$@" >"$program.log" 2>&1; then
         for isa in $isas; do
@@ -104,8 +105,9 @@ start()
 built_library()
 {
     local program=$work/built
-    if ${CC} ${CFLAGS:-} "${flags[@]}" tests/golden/bits.c ${LDFLAGS:-} "$BUILD/libtribo_core.a" -lm \
-        -o "$program" 2>"$program.log"; then
+    # shellcheck disable=SC2086 # the flags are words
+    if $CC ${CFLAGS:-} "${flags[@]}" tests/golden/bits.c ${LDFLAGS:-} "$BUILD/libtribo_core.a" \
+        -lm -o "$program" 2>"$program.log"; then
         compare "built library" "best scalar" "$program"
     else
         echo "not ok - built library"

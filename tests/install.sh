@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# What a user of the installed library meets: staged install, pkg-config, C and C++ programs, uninstall;
-# headers that stand alone; a shared library that needs libm and libc and calls nothing it should not.
+# What a user of the installed library meets: staged install, pkg-config, C and C++ programs,
+# uninstall; headers that stand alone; a shared library that calls nothing that it should not.
 set -u
 cd "${SRCDIR:-$(dirname "$0")/..}" || exit 2
 export LC_ALL=C
@@ -110,7 +110,7 @@ program_runs()
     "$stage/usr/bin/tribo" --help
 }
 
-# Lines of standard input that do not match; none at all is wrong, too, for then nothing was looked at.
+# Lines of standard input that do not match; no line at all is wrong, too: nothing was looked at.
 none_but()
 {
     awk -v allowed="^($1)$" '{ lines++ } $0 !~ allowed { print; bad++ } END { exit !lines || bad }'
@@ -142,7 +142,8 @@ headers_stand_alone()
     shift
     for header in include/tribo/*.h; do
         echo "#include <${header#include/}>" |
-            "$compiler" "$@" -Wall -Wextra -Werror -pedantic-errors -Iinclude -fsyntax-only - || return 1
+            "$compiler" "$@" -Wall -Wextra -Werror -pedantic-errors -Iinclude -fsyntax-only - ||
+            return 1
     done
 }
 

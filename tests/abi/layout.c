@@ -1,5 +1,5 @@
 /*
- * Layout of every public struct and value of every public constant, as text; the golden is layout.txt.
+ * Layout of every public struct and value of every public constant; the golden is layout.txt.
  * tests/abi.sh also checks that no public struct, field or constant is missing here.
  */
 #include <tribo/tribo.h>
@@ -8,8 +8,8 @@
 #include <stdio.h>
 
 #define TYPE(type) printf("%s size %u\n", #type, (unsigned)sizeof(type))
-#define FIELD(type, field)                                                                         \
-    printf("%s.%s offset %u size %u\n", #type, #field, (unsigned)offsetof(type, field),            \
+#define FIELD(type, field)                                                              \
+    printf("%s.%s offset %u size %u\n", #type, #field, (unsigned)offsetof(type, field), \
            (unsigned)sizeof(((type *)0)->field))
 #define CONSTANT(name) printf("%s %" PRId64 "\n", #name, (int64_t)(name))
 

@@ -2,11 +2,11 @@
  * One long mixed run over every public function, hashed: same source, same bits, on every platform.
  *
  * Prints a 64-bit FNV-1a hash per room and one over all of them. Stands alone: no test library, no
- * files, and inputs made of integers by exact operations only, so that a difference in the hash is a
- * difference in the library. The sign and payload of NaN are no promise and are not hashed.
+ * files, and inputs made of integers by exact operations only, so that a difference in the hash is
+ * one in the library. The sign and payload of NaN are no promise and are not hashed.
  *
- * TRIBO_ISA in the environment names the instruction set of the batch functions (default: best). Exit
- * status 77: this machine or build has no such instruction set.
+ * TRIBO_ISA in the environment names the instruction set of the batch functions (default: best).
+ * Exit status 77: this machine or build has no such instruction set.
  */
 #include <tribo/tribo.h>
 
@@ -17,7 +17,7 @@
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 
-/* ---- hash ---------------------------------------------------------------------------------------- */
+/* ---- hash ------------------------------------------------------------------------------------ */
 
 static uint64_t hash;
 
@@ -57,7 +57,7 @@ static void put_string(const char *s)
     }
 }
 
-/* ---- numbers made of integers -------------------------------------------------------------------- */
+/* ---- numbers made of integers ---------------------------------------------------------------- */
 
 static uint64_t generator;
 
@@ -97,8 +97,8 @@ static double either(void)
     return next() & 1 ? x : -x;
 }
 
-/* Any magnitude within 2^-spread and 2^spread. Two draws never stand in one expression: the order in
- * which C evaluates them is the compiler's. */
+/* Any magnitude within 2^-spread and 2^spread. Two draws never stand in one expression: the order
+ * in which they are evaluated is the compiler's. */
 static double wide(int spread)
 {
     const double scale = power(below(2 * spread + 1) - spread);
@@ -137,8 +137,8 @@ static void fill_odd(double *x, size_t count, int spread)
 
 static void make_normal(double n[3])
 {
-    static const double exact[][3] = {{1, 0, 0},  {0, -1, 0},      {0, 0, 1},       {-0.0, 0.0, -1},
-                                      {0, -0.0, 1}, {0.6, 0.8, 0},  {0, -0.28, 0.96}};
+    static const double exact[][3] = {{1, 0, 0},    {0, -1, 0},    {0, 0, 1},       {-0.0, 0.0, -1},
+                                      {0, -0.0, 1}, {0.6, 0.8, 0}, {0, -0.28, 0.96}};
     double v[3];
     fill(v, 3, below(8) ? 0 : 30);
     if (below(8) == 0 || tribo_vec3_normalize(v, n) != TRIBO_OK) {
@@ -146,7 +146,7 @@ static void make_normal(double n[3])
     }
 }
 
-/* Semidefinite by construction: A A^T of small integers is exact, and so is scaling by powers of two. */
+/* Semidefinite by construction: A A^T of small integers is exact, so is scaling by powers of 2. */
 static void make_matrix(double w[6], int spread)
 {
     double a[3][3];
@@ -235,19 +235,19 @@ static void put_body(const tribo_body *body)
     put_doubles(body->inverse_inertia, 6);
 }
 
-/* ---- base ---------------------------------------------------------------------------------------- */
+/* ---- base ------------------------------------------------------------------------------------ */
 
 static void run_base(void)
 {
     for (tribo_status status = -1; status < 80; ++status) {
         put_string(tribo_status_name(status));
     }
-    put_u64(tribo_version() == TRIBO_VERSION_MAJOR * 10000 + TRIBO_VERSION_MINOR * 100
-                                   + TRIBO_VERSION_PATCH);
+    put_u64(tribo_version() ==
+            TRIBO_VERSION_MAJOR * 10000 + TRIBO_VERSION_MINOR * 100 + TRIBO_VERSION_PATCH);
     put_u64(tribo_status_string(TRIBO_ERROR_NULL) != NULL && tribo_version_string() != NULL);
 }
 
-/* ---- math ---------------------------------------------------------------------------------------- */
+/* ---- math ------------------------------------------------------------------------------------ */
 
 static void run_vectors(int spread)
 {
@@ -339,7 +339,7 @@ static void run_math(void)
     }
 }
 
-/* ---- body ---------------------------------------------------------------------------------------- */
+/* ---- body ------------------------------------------------------------------------------------ */
 
 static void run_solids(void)
 {
@@ -431,7 +431,7 @@ static void run_body(void)
     }
 }
 
-/* ---- material ------------------------------------------------------------------------------------ */
+/* ---- material -------------------------------------------------------------------------------- */
 
 static void put_material(const tribo_material *material)
 {
@@ -482,7 +482,7 @@ static void run_material(void)
     }
 }
 
-/* ---- contact ------------------------------------------------------------------------------------- */
+/* ---- contact --------------------------------------------------------------------------------- */
 
 static void put_impact_info(const tribo_impact_info *info)
 {
@@ -640,7 +640,7 @@ static void run_contact(void)
     }
 }
 
-/* ---- audit --------------------------------------------------------------------------------------- */
+/* ---- audit ----------------------------------------------------------------------------------- */
 
 static void put_measures(const tribo_measures *m)
 {
@@ -719,7 +719,7 @@ static void run_audit(void)
     }
 }
 
-/* ---- batch --------------------------------------------------------------------------------------- */
+/* ---- batch ----------------------------------------------------------------------------------- */
 
 enum { BODIES = 16, CONTACTS = 203 };
 
@@ -796,13 +796,14 @@ static void run_batch(void)
     }
 }
 
-/* ---- the run ------------------------------------------------------------------------------------- */
+/* ---- the run --------------------------------------------------------------------------------- */
 
 static const struct {
     const char *name;
     void (*run)(void);
-} rooms[] = {{"base", run_base},       {"math", run_math},   {"body", run_body}, {"material", run_material},
-             {"contact", run_contact}, {"audit", run_audit}, {"batch", run_batch}};
+} rooms[] = {{"base", run_base},         {"math", run_math},       {"body", run_body},
+             {"material", run_material}, {"contact", run_contact}, {"audit", run_audit},
+             {"batch", run_batch}};
 
 static int choose_isa(const char *wanted)
 {

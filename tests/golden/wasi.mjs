@@ -1,4 +1,4 @@
-// Run a WASI program under node: node wasi.mjs PROGRAM.wasm; the environment and exit status are its own.
+// Run a WASI program: node wasi.mjs PROGRAM.wasm. It sees the environment and sets the exit status.
 import { readFile } from 'node:fs/promises';
 import { WASI } from 'node:wasi';
 
