@@ -9,6 +9,13 @@
 #define INERTIA_TOLERANCE 1e-12
 #define MAX_TURN 1e5           /* radians in one call of tribo_body_advance */
 
+/* A body is doubles from its first field to its last, and is judged as one array of them. */
+enum { BODY_FIELDS = sizeof(tribo_body) / sizeof(double) };
+typedef char body_has_no_padding[offsetof(tribo_body, inverse_inertia) == 14 * sizeof(double) &&
+                                         sizeof(tribo_body) == 20 * sizeof(double)
+                                     ? 1
+                                     : -1];
+
 tribo_status tribo_body_init(tribo_body *body)
 {
     if (!body) {
@@ -70,11 +77,7 @@ tribo_status tribo_body_check(const tribo_body *body)
     if (!body) {
         return TRIBO_ERROR_NULL;
     }
-    const double probe = (finite_probe(body->position, 3) + finite_probe(body->orientation, 4)) +
-                         (finite_probe(body->velocity, 3) + finite_probe(body->angular_velocity, 3)) +
-                         (finite_probe(&body->inverse_mass, 1) +
-                          finite_probe(body->inverse_inertia, 6));
-    if (!(probe == 0.0)) {
+    if (!all_finite(body->position, BODY_FIELDS)) {
         return TRIBO_ERROR_NOT_FINITE;
     }
     const double *q = body->orientation;
@@ -419,9 +422,6 @@ static tribo_status turn_uniformly(tribo_body *body, double dt)
     double turn[3];
     double step[4];
     tribo_vec3_scale(dt, body->angular_velocity, turn);
-    if (!(tribo_vec3_norm(turn) <= MAX_TURN)) {
-        return TRIBO_ERROR_TIME_STEP;
-    }
     const tribo_status status = tribo_quat_from_rotation_vector(turn, step);
     if (status == TRIBO_OK) {
         tribo_quat_multiply(step, body->orientation, body->orientation);
@@ -439,8 +439,11 @@ static int turns_uniformly(const double j[6])
 static tribo_status turn_body(tribo_body *body, double dt)
 {
     const double *j = body->inverse_inertia;
-    const double *rate = body->angular_velocity;
-    if (rate[0] == 0.0 && rate[1] == 0.0 && rate[2] == 0.0) {
+    const double rate = tribo_vec3_norm(body->angular_velocity);
+    if (!(rate * dt <= MAX_TURN)) {
+        return TRIBO_ERROR_TIME_STEP;
+    }
+    if (rate == 0.0) {
         return TRIBO_OK;
     }
     if (turns_uniformly(j)) {

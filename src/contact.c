@@ -8,6 +8,9 @@
 #define FRAME_TOLERANCE 1e-9
 #define NORMAL_TOLERANCE 1e-12
 
+/* Nothing but doubles, judged as one array of them. */
+enum { CONTACT_FIELDS = sizeof(tribo_contact) / sizeof(double) };
+
 /* ---- structs that may be older than this library --------------------------------------------- */
 
 static int size_is_known(uint32_t size, size_t newest)
@@ -56,9 +59,7 @@ tribo_status tribo_contact_check(const tribo_contact *contact)
     if (!contact) {
         return TRIBO_ERROR_NULL;
     }
-    const double probe = finite_probe(contact->normal, 3) + finite_probe(contact->arm_a, 3) +
-                         finite_probe(contact->arm_b, 3);
-    if (!(probe == 0.0)) {
+    if (!all_finite(contact->normal, CONTACT_FIELDS)) {
         return TRIBO_ERROR_NOT_FINITE;
     }
     return is_unit(contact->normal) ? TRIBO_OK : TRIBO_ERROR_NORMAL;

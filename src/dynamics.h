@@ -14,7 +14,9 @@ TRIBO_ALWAYS_INLINE int has_inertia(const tribo_body *body)
 
 static inline void push_body(tribo_body *body, const double arm[3], const double p[3])
 {
-    tribo_vec3_add_scaled(body->velocity, body->inverse_mass, p, body->velocity);
+    if (body->inverse_mass != 0.0) {
+        tribo_vec3_add_scaled(body->velocity, body->inverse_mass, p, body->velocity);
+    }
     if (has_inertia(body)) {
         const double *q = body->orientation;
         double r[9];

@@ -8,12 +8,14 @@
  * they stand for; the same bytes in a file are replayed by ROOM-replay and ROOM. */
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "../support/property.h"
 
 enum {
     LONGEST = 768,       /* bytes of an input */
     SHRINK_RUNS = 20000, /* runs spent on making a failing input smaller */
+    SHRINK_SECONDS = 10, /* and processor time */
     WORST = 10           /* in percent, how many trials must exercise a property */
 };
 
@@ -54,13 +56,19 @@ typedef struct failure {
     const char *expression;
     int line;
     unsigned runs;
+    clock_t start;
 } failure;
+
+static int exhausted(const failure *f)
+{
+    return f->runs >= SHRINK_RUNS || clock() - f->start > SHRINK_SECONDS * CLOCKS_PER_SEC;
+}
 
 /* Keep a candidate that fails at the same place. */
 static int accept(failure *f, const input *candidate)
 {
     property_trial t;
-    if (f->runs >= SHRINK_RUNS) {
+    if (exhausted(f)) {
         return 0;
     }
     f->runs++;
@@ -133,7 +141,7 @@ static int lessen_bytes(failure *f)
 static void shrink(failure *f)
 {
     int better = 1;
-    while (better && f->runs < SHRINK_RUNS) {
+    while (better && !exhausted(f)) {
         better = delete_spans(f);
         better = zero_spans(f) || better;
         better = lessen_bytes(f) || better;
@@ -150,6 +158,7 @@ static void report(const input *first, const property_trial *failed)
     f.expression = failed->expression;
     f.line = failed->line;
     f.runs = 0;
+    f.start = clock();
     shrink(&f);
     printf("# shrunk from %zu to %zu bytes in %u runs:\n# ", first->size, f.least.size, f.runs);
     for (size_t i = 0; i < f.least.size; i++) {
