@@ -551,50 +551,6 @@ static void world_inverse_inertia(property_trial *t)
     }
 }
 
-/* L = I w, by Cholesky; I is the inverse of a positive definite matrix. */
-static int inertia_times(const double inverse_inertia[6], const long double w[3],
-                         long double out[3])
-{
-    const long double a = sqrtl(wide(inverse_inertia[0]));
-    const long double b = wide(inverse_inertia[1]) / a;
-    const long double c = wide(inverse_inertia[2]) / a;
-    const long double d = sqrtl(wide(inverse_inertia[3]) - b * b);
-    const long double e = (wide(inverse_inertia[4]) - b * c) / d;
-    const long double f = sqrtl(wide(inverse_inertia[5]) - c * c - e * e);
-    if (!(a > 0.0L && d > 0.0L && f > 0.0L)) {
-        return 0;
-    }
-    const long double x = w[0] / a;
-    const long double y = (w[1] - b * x) / d;
-    const long double z = (w[2] - c * x - e * y) / f;
-    out[2] = z / f;
-    out[1] = (y - e * out[2]) / d;
-    out[0] = (x - b * out[1] - c * out[2]) / a;
-    return 1;
-}
-
-/* Angular momentum in world axes; 0 if some axis cannot be turned. */
-static int momentum(const tribo_body *body, double out[3], double *energy)
-{
-    long double r[9];
-    long double w[3] = {0};
-    long double l[3];
-    reference_rotation(body->orientation, r);
-    for (int i = 0; i < 3; i++) {
-        for (int k = 0; k < 3; k++) {
-            w[i] += r[3 * k + i] * wide(body->angular_velocity[k]);
-        }
-    }
-    if (!inertia_times(body->inverse_inertia, w, l)) {
-        return 0;
-    }
-    *energy = (double)(0.5L * (w[0] * l[0] + w[1] * l[1] + w[2] * l[2]));
-    for (int i = 0; i < 3; i++) {
-        out[i] = (double)(r[3 * i] * l[0] + r[3 * i + 1] * l[1] + r[3 * i + 2] * l[2]);
-    }
-    return 1;
-}
-
 static void spin(property_trial *t)
 {
     double half[3];
@@ -604,7 +560,7 @@ static void spin(property_trial *t)
     double values[3];
     tribo_body body;
     make_body(t, "body", BODY_WIDE, &body, half);
-    ASSUME(t, momentum(&body, want, &energy));
+    ASSUME(t, reference_spin(&body, want, &energy));
     REQUIRE_STATUS(t, tribo_body_spin(&body, out), TRIBO_OK);
     reference_eigenvalues(body.inverse_inertia, values);
     REQUIRE_AT_MOST(t, distance3(out, want),
@@ -710,7 +666,7 @@ static double make_step(property_trial *t, const tribo_body *body, double most, 
     double values[3];
     double rate = norm3(body->angular_velocity);
     reference_eigenvalues(body->inverse_inertia, values);
-    if (momentum(body, l, &energy) && norm3(l) * values[2] > rate) {
+    if (reference_spin(body, l, &energy) && norm3(l) * values[2] > rate) {
         rate = norm3(l) * values[2];
     }
     const double part = make_unit(t, NULL);
@@ -731,9 +687,9 @@ static void advance_conserves(property_trial *t)
     tribo_body body;
     make_body(t, "body", BODY_PLAIN, &body, half);
     const double dt = make_step(t, &body, 40.0, &turn);
-    ASSUME(t, momentum(&body, before, &energy[0]) && turn > 0.0);
+    ASSUME(t, reference_spin(&body, before, &energy[0]) && turn > 0.0);
     REQUIRE_STATUS(t, tribo_body_advance(&body, NULL, dt), TRIBO_OK);
-    REQUIRE(t, momentum(&body, after, &energy[1]));
+    REQUIRE(t, reference_spin(&body, after, &energy[1]));
     const double *q = body.orientation;
     REQUIRE_NEAR(t, q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3], 1.0, 8.0 * EPS);
     REQUIRE_AT_MOST(t, distance3(before, after), 64.0 * EPS * (1.0 + turn) * norm3(before));
@@ -752,9 +708,9 @@ static void advance_conserves_wide(property_trial *t)
     make_body(t, "body", BODY_WIDE, &body, half);
     const double condition = reference_condition(body.inverse_inertia);
     const double dt = make_step(t, &body, 40.0, &turn);
-    ASSUME(t, momentum(&body, before, &energy[0]) && turn > 0.0 && condition < 1e12);
+    ASSUME(t, reference_spin(&body, before, &energy[0]) && turn > 0.0 && condition < 1e12);
     REQUIRE_STATUS(t, tribo_body_advance(&body, NULL, dt), TRIBO_OK);
-    REQUIRE(t, momentum(&body, after, &energy[1]));
+    REQUIRE(t, reference_spin(&body, after, &energy[1]));
     const double slack = 64.0 * EPS * (1.0 + turn) * condition;
     REQUIRE_AT_MOST(t, distance3(before, after), slack * norm3(before));
     REQUIRE_NEAR(t, energy[1], energy[0], slack * energy[0]);
@@ -913,7 +869,7 @@ const property property_list[] = {
     {"check_valid", check_valid, 1},
     {"bad_body", bad_body, 1},
     {"bad_argument", bad_argument, 1},
-    {"wild_body", wild_body, 2},
+    {"wild_body", wild_body, 40},
     {"world_inverse_inertia", world_inverse_inertia, 1},
     {"spin", spin, 1},
     {"spin_locked", spin_locked, 1},

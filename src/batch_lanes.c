@@ -135,36 +135,67 @@ static void finish_lanes(const lane_slip *restrict s, const lane_problem *restri
     }
 }
 
-/* Outcome of one lane to the caller's arrays. */
-static void store_lane(double mode, const double p[3], double *out, uint32_t *out_mode,
-                       tribo_status *status)
+/* Open contacts have no impulse, and those without friction slide. Returns how many lanes are anything but a
+ * public mode with a finite impulse. */
+static double settle_lanes(lane_row *restrict p, double *restrict mode)
 {
-    *status = status_of_mode(mode);
-    *out_mode = mode == KERNEL_FREE ? TRIBO_MODE_SLIP : (uint32_t)mode;
-    if (*status == TRIBO_OK && mode == KERNEL_OPEN) {
-        out[0] = out[1] = out[2] = 0.0;
-    } else if (*status == TRIBO_OK && all_finite(p, 3)) {
-        memcpy(out, p, 3 * sizeof *out);
-    } else if (*status == TRIBO_OK) {
-        *status = TRIBO_ERROR_RANGE;
+    lane_row odd;
+    for (int i = 0; i < LANES; i++) {
+        const double m = mode[i];
+        const double p0 = m == KERNEL_OPEN ? 0.0 : p[0][i];
+        const double p1 = m == KERNEL_OPEN ? 0.0 : p[1][i];
+        const double p2 = m == KERNEL_OPEN ? 0.0 : p[2][i];
+        const double slides = m == KERNEL_FREE ? KERNEL_SLIP : m;
+        const double probe = (p0 - p0) + (p1 - p1) + (p2 - p2);
+        const double public_mode = slides <= KERNEL_SLIP ? 0.0 : 1.0;
+        mode[i] = slides;
+        p[0][i] = p0;
+        p[1][i] = p1;
+        p[2][i] = p2;
+        odd[i] = probe == 0.0 ? public_mode : 1.0;
+    }
+    return ((odd[0] + odd[1]) + (odd[2] + odd[3])) + ((odd[4] + odd[5]) + (odd[6] + odd[7]));
+}
+
+/* One lane whose outcome is a fault, a jam or an impulse beyond double. */
+static tribo_status judge_lane(double mode, const double p[3])
+{
+    const tribo_status status = status_of_mode(mode);
+    return status == TRIBO_OK && !all_finite(p, 3) ? TRIBO_ERROR_RANGE : status;
+}
+
+/* Outcomes of a block to the caller's arrays. */
+static void store_block(size_t count, lane_row *p_rows, const double *mode, double odd, double *p,
+                        uint32_t *modes, tribo_status *statuses, tribo_status *first)
+{
+    for (size_t i = 0; i < count; i++) {
+        const double impulse[3] = {p_rows[0][i], p_rows[1][i], p_rows[2][i]};
+        const tribo_status status = odd == 0.0 ? TRIBO_OK : judge_lane(mode[i], impulse);
+        if (status == TRIBO_OK) {
+            p[3 * i] = impulse[0];
+            p[3 * i + 1] = impulse[1];
+            p[3 * i + 2] = impulse[2];
+        }
+        lanes_give(status, (uint32_t)(int)mode[i], i, modes, statuses, first);
     }
 }
 
 /* A lane that the fast iteration is not for. */
-static void solve_lane_slowly(const lane_problem *problems, const double mu[2], int i, double p[3],
+static void solve_lane_slowly(const lane_problem *problems, lane_row *mu, int i, lane_row *p,
                               double *mode)
 {
     const kernel_problem k = problem_of(problems, i);
     uint32_t iterations = 0;
+    double impulse[3];
     double nu;
-    *mode = solve_slowly(&k, mu[0], mu[1], p, &nu, &iterations);
+    *mode = solve_slowly(&k, mu[0][i], mu[1][i], impulse, &nu, &iterations);
     for (int j = 0; j < 3; j++) {
-        p[j] = p[j] * k.up * k.up2;
+        p[j][i] = impulse[j] * k.up * k.up2;
     }
 }
 
 static void solve_block(size_t count, const double *w, const double *b, const double *mu, double *p,
-                        uint32_t *modes, tribo_status *statuses)
+                        uint32_t *modes, tribo_status *statuses, tribo_status *first)
 {
     lane_row w_rows[6];
     lane_row b_rows[3];
@@ -174,6 +205,7 @@ static void solve_block(size_t count, const double *w, const double *b, const do
     lane_slip slip;
     lane_row open;
     double left = 0.0;
+    double slow = 0.0;
     load_rows(w, 6, count, w_rows);
     load_rows(b, 3, count, b_rows);
     load_rows(mu, 2, count, mu_rows);
@@ -182,28 +214,31 @@ static void solve_block(size_t count, const double *w, const double *b, const do
     for (int i = 0; i < LANES; i++) {
         open[i] = slip.mode[i] == KERNEL_SLIP ? 1.0 : 0.0;
         left += open[i];
+        slow += slip.mode[i] == KERNEL_SLOW ? 1.0 : 0.0;
     }
     for (int step = 0; step < MAX_HALLEY && left > 0.0; step++) {
         left = step_lanes(&slip, open);
     }
     finish_lanes(&slip, &problem, p_rows);
-    for (int i = 0; i < LANES && (size_t)i < count; i++) {
-        double impulse[3] = {p_rows[0][i], p_rows[1][i], p_rows[2][i]};
-        double mode = open[i] != 0.0 ? KERNEL_SLOW : slip.mode[i];
-        if (mode == KERNEL_SLOW) {
-            solve_lane_slowly(&problem, mu + 2 * i, i, impulse, &mode);
+    for (int i = 0; i < LANES && left + slow > 0.0; i++) {
+        if (open[i] != 0.0 || slip.mode[i] == KERNEL_SLOW) {
+            solve_lane_slowly(&problem, mu_rows, i, p_rows, &slip.mode[i]);
         }
-        store_lane(mode, impulse, p + 3 * i, modes + i, statuses + i);
     }
+    const double odd = settle_lanes(p_rows, slip.mode);
+    store_block(count, p_rows, slip.mode, odd, p, modes, statuses, first);
 }
 
-static void solve(size_t count, const double *w, const double *b, const double *mu, double *p,
-                  uint32_t *modes, tribo_status *statuses)
+static tribo_status solve(size_t count, const double *w, const double *b, const double *mu,
+                          double *p, uint32_t *modes, tribo_status *statuses)
 {
+    tribo_status first = TRIBO_OK;
     for (size_t i = 0; i < count; i += LANES) {
         const size_t here = count - i < LANES ? count - i : LANES;
-        solve_block(here, w + 6 * i, b + 3 * i, mu + 2 * i, p + 3 * i, modes + i, statuses + i);
+        solve_block(here, w + 6 * i, b + 3 * i, mu + 2 * i, p + 3 * i, modes ? modes + i : NULL,
+                    statuses ? statuses + i : NULL, &first);
     }
+    return first;
 }
 
 /* ---- ALGEBRAIC impact ------------------------------------------------------------------------ */
@@ -223,7 +258,7 @@ static void impact_lanes(const lane_problem *restrict problem, lane_row *restric
 }
 
 static void impact_block(size_t count, const double *w, const double *u, const tribo_material *pairs,
-                         double *p, uint32_t *modes, tribo_status *statuses)
+                         double *p, uint32_t *modes, tribo_status *statuses, tribo_status *first)
 {
     lane_row w_rows[6];
     lane_row u_rows[3];
@@ -236,19 +271,21 @@ static void impact_block(size_t count, const double *w, const double *u, const t
     load_rows(&pairs[0].mu_s, 3, count, pair_rows);
     scale_lanes(w_rows, u_rows, &problem);
     impact_lanes(&problem, pair_rows, p_rows, mode);
-    for (int i = 0; i < LANES && (size_t)i < count; i++) {
-        const double impulse[3] = {p_rows[0][i], p_rows[1][i], p_rows[2][i]};
-        store_lane(mode[i], impulse, p + 3 * i, modes + i, statuses + i);
-    }
+    const double odd = settle_lanes(p_rows, mode);
+    store_block(count, p_rows, mode, odd, p, modes, statuses, first);
 }
 
-static void impact(size_t count, const double *w, const double *u, const tribo_material *pairs,
-                   double *p, uint32_t *modes, tribo_status *statuses)
+static tribo_status impact(size_t count, const double *w, const double *u,
+                           const tribo_material *pairs, double *p, uint32_t *modes,
+                           tribo_status *statuses)
 {
+    tribo_status first = TRIBO_OK;
     for (size_t i = 0; i < count; i += LANES) {
         const size_t here = count - i < LANES ? count - i : LANES;
-        impact_block(here, w + 6 * i, u + 3 * i, pairs + i, p + 3 * i, modes + i, statuses + i);
+        impact_block(here, w + 6 * i, u + 3 * i, pairs + i, p + 3 * i, modes ? modes + i : NULL,
+                     statuses ? statuses + i : NULL, &first);
     }
+    return first;
 }
 
 /* ---- contact matrix -------------------------------------------------------------------------- */
@@ -329,59 +366,77 @@ static void matrix_lanes(const lane_body ends[2], lane_row *frame, lane_row *w)
     }
 }
 
-static void matrix_block(size_t body_count, const tribo_body *bodies, size_t count,
-                         const uint32_t *pairs, const tribo_contact *contacts, double *frames,
-                         double *w, tribo_status *statuses)
+/* Load up to eight contacts; lanes beyond `count` repeat the last. */
+static void load_contacts(size_t body_count, const tribo_body *bodies, size_t count,
+                          const uint32_t *pairs, const tribo_contact *contacts, lane_body ends[2],
+                          lane_row *normal, tribo_status *statuses)
 {
-    lane_body ends[2];
-    lane_row normal[3];
-    lane_row frame[9];
-    lane_row matrix[6];
     const tribo_body *pair[2] = {NULL, NULL};
     tribo_status pair_status = TRIBO_OK;
     for (int i = 0; i < LANES; i++) {
         const size_t at = (size_t)i < count ? (size_t)i : count - 1;
+        const uint32_t *now = pairs + 2 * at;
         /* The points of a manifold follow each other; their bodies are judged once. */
-        if (at == 0 || memcmp(pairs + 2 * at, pairs + 2 * at - 2, 2 * sizeof *pairs) != 0) {
-            pair_status = lanes_check_pair(body_count, bodies, pairs + 2 * at, pair);
+        if (at == 0 || now[0] != now[-2] || now[1] != now[-1]) {
+            pair_status = lanes_check_pair(body_count, bodies, now, pair);
         }
-        statuses[at] = pair_status != TRIBO_OK ? pair_status : tribo_contact_check(contacts + at);
+        statuses[i] = pair_status != TRIBO_OK ? pair_status : tribo_contact_check(contacts + at);
         load_body(pair[0], contacts[at].arm_a, i, &ends[0]);
         load_body(pair[1], contacts[at].arm_b, i, &ends[1]);
         for (int k = 0; k < 3; k++) {
             normal[k][i] = contacts[at].normal[k];
         }
     }
+}
+
+static tribo_status judge_matrix(tribo_status status, const double w[6])
+{
+    if (status == TRIBO_OK && !all_finite(w, 6)) {
+        return TRIBO_ERROR_RANGE;
+    }
+    return status == TRIBO_OK && !(w[0] > 0.0) ? TRIBO_ERROR_IMMOVABLE : status;
+}
+
+static void matrix_block(size_t body_count, const tribo_body *bodies, size_t count,
+                         const uint32_t *pairs, const tribo_contact *contacts, double *frames,
+                         double *w, tribo_status *statuses, tribo_status *first)
+{
+    lane_body ends[2];
+    lane_row normal[3];
+    lane_row frame[9];
+    lane_row matrix[6];
+    tribo_status judged[LANES];
+    load_contacts(body_count, bodies, count, pairs, contacts, ends, normal, judged);
     frame_lanes(normal, frame);
     matrix_lanes(ends, frame, matrix);
-    for (size_t i = 0; i < count && i < LANES; i++) {
+    for (size_t i = 0; i < count; i++) {
         double entries[6];
         for (int k = 0; k < 6; k++) {
             entries[k] = matrix[k][i] + 0.0;
         }
-        if (statuses[i] == TRIBO_OK && !all_finite(entries, 6)) {
-            statuses[i] = TRIBO_ERROR_RANGE;
-        } else if (statuses[i] == TRIBO_OK && !(entries[0] > 0.0)) {
-            statuses[i] = TRIBO_ERROR_IMMOVABLE;
+        const tribo_status status = judge_matrix(judged[i], entries);
+        if (status == TRIBO_OK) {
+            memcpy(w + 6 * i, entries, sizeof entries);
         }
-        if (statuses[i] != TRIBO_OK) {
-            continue;
+        for (size_t k = 0; k < 9 && frames && status == TRIBO_OK; k++) {
+            frames[9 * i + k] = frame[k][i];
         }
-        memcpy(w + 6 * i, entries, sizeof entries);
-        for (int k = 0; k < 9 && frames; k++) {
-            frames[9 * i + (size_t)k] = frame[k][i];
-        }
+        lanes_give(status, 0, i, NULL, statuses, first);
     }
 }
 
-static void matrix(size_t body_count, const tribo_body *bodies, size_t count, const uint32_t *pairs,
-                   const tribo_contact *contacts, double *frames, double *w, tribo_status *statuses)
+static tribo_status matrix(size_t body_count, const tribo_body *bodies, size_t count,
+                           const uint32_t *pairs, const tribo_contact *contacts, double *frames,
+                           double *w, tribo_status *statuses)
 {
+    tribo_status first = TRIBO_OK;
     for (size_t i = 0; i < count; i += LANES) {
         const size_t here = count - i < LANES ? count - i : LANES;
         matrix_block(body_count, bodies, here, pairs + 2 * i, contacts + i,
-                     frames ? frames + 9 * i : NULL, w + 6 * i, statuses + i);
+                     frames ? frames + 9 * i : NULL, w + 6 * i, statuses ? statuses + i : NULL,
+                     &first);
     }
+    return first;
 }
 
 const lanes_table PASTE(lanes_, TRIBO_LANES) = {matrix, solve, impact};

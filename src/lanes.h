@@ -6,15 +6,16 @@
 
 enum { LANES = 8 };
 
-/* All arrays as in batch.h; modes and statuses hold `count` entries and are never null here. Outputs of
- * contacts whose status is not TRIBO_OK are untouched, but for modes, which is scratch there. */
+/* All arrays as in batch.h, and so are null pointers. Each returns the first status that is not TRIBO_OK. */
 typedef struct lanes_table {
-    void (*matrix)(size_t body_count, const tribo_body *bodies, size_t count, const uint32_t *pairs,
-                   const tribo_contact *contacts, double *frames, double *w, tribo_status *statuses);
-    void (*solve)(size_t count, const double *w, const double *b, const double *mu, double *p,
-                  uint32_t *modes, tribo_status *statuses);
-    void (*impact)(size_t count, const double *w, const double *u, const tribo_material *pairs,
-                   double *p, uint32_t *modes, tribo_status *statuses);
+    tribo_status (*matrix)(size_t body_count, const tribo_body *bodies, size_t count,
+                           const uint32_t *pairs, const tribo_contact *contacts, double *frames,
+                           double *w, tribo_status *statuses);
+    tribo_status (*solve)(size_t count, const double *w, const double *b, const double *mu,
+                          double *p, uint32_t *modes, tribo_status *statuses);
+    tribo_status (*impact)(size_t count, const double *w, const double *u,
+                           const tribo_material *pairs, double *p, uint32_t *modes,
+                           tribo_status *statuses);
 } lanes_table;
 
 extern const lanes_table lanes_baseline;
@@ -22,6 +23,19 @@ extern const lanes_table lanes_baseline;
 extern const lanes_table lanes_x86_64_v3;
 extern const lanes_table lanes_x86_64_v4;
 #endif
+
+/* What the lanes and the scalar loop share: one contact's outcome to the arrays that the caller wants. */
+static inline void lanes_give(tribo_status status, uint32_t mode, size_t i, uint32_t *modes,
+                              tribo_status *statuses, tribo_status *first)
+{
+    if (modes && (status == TRIBO_OK || status == TRIBO_ERROR_JAM)) {
+        modes[i] = mode;
+    }
+    if (statuses) {
+        statuses[i] = status;
+    }
+    *first = *first == TRIBO_OK ? status : *first;
+}
 
 /* Judge the bodies of one contact; ends receives A and B (an immovable body stands in for the world). */
 tribo_status lanes_check_pair(size_t body_count, const tribo_body *bodies, const uint32_t pair[2],

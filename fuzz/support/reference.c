@@ -266,3 +266,46 @@ int reference_unique(const double w[6], double mu)
     }
     return mu * hypot(w[1], w[2]) / w[0] < 0.9 * 2.0 * sqrt(ratio) / (1.0 + ratio);
 }
+
+/* L = I w, by Cholesky; I is the inverse of a positive definite matrix. */
+static int inertia_times(const double inverse_inertia[6], const long double w[3],
+                         long double out[3])
+{
+    const long double a = sqrtl((long double)(inverse_inertia[0]));
+    const long double b = (long double)(inverse_inertia[1]) / a;
+    const long double c = (long double)(inverse_inertia[2]) / a;
+    const long double d = sqrtl((long double)(inverse_inertia[3]) - b * b);
+    const long double e = ((long double)(inverse_inertia[4]) - b * c) / d;
+    const long double f = sqrtl((long double)(inverse_inertia[5]) - c * c - e * e);
+    if (!(a > 0.0L && d > 0.0L && f > 0.0L)) {
+        return 0;
+    }
+    const long double x = w[0] / a;
+    const long double y = (w[1] - b * x) / d;
+    const long double z = (w[2] - c * x - e * y) / f;
+    out[2] = z / f;
+    out[1] = (y - e * out[2]) / d;
+    out[0] = (x - b * out[1] - c * out[2]) / a;
+    return 1;
+}
+
+int reference_spin(const tribo_body *body, double out[3], double *energy)
+{
+    long double r[9];
+    long double w[3] = {0};
+    long double l[3];
+    reference_rotation(body->orientation, r);
+    for (int i = 0; i < 3; i++) {
+        for (int k = 0; k < 3; k++) {
+            w[i] += r[3 * k + i] * (long double)(body->angular_velocity[k]);
+        }
+    }
+    if (!inertia_times(body->inverse_inertia, w, l)) {
+        return 0;
+    }
+    *energy = (double)(0.5L * (w[0] * l[0] + w[1] * l[1] + w[2] * l[2]));
+    for (int i = 0; i < 3; i++) {
+        out[i] = (double)(r[3 * i] * l[0] + r[3 * i + 1] * l[1] + r[3 * i + 2] * l[2]);
+    }
+    return 1;
+}

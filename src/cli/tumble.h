@@ -18,11 +18,13 @@ typedef struct tumble {
     tribo_impact_options options;
 } tumble;
 
-/** Called after each impact, with the body before it; null: not wanted. */
+/** Called after each impact with the body before and after it. */
 typedef void (*tumble_observer)(void *user, const tribo_body *before, const tribo_body *after,
                                 const tribo_contact *contact, const tribo_collision_info *info);
 
-/** Advance `box` by `step` seconds in `parts` equal parts: free flight, then impacts.
+/** Advance `box` by `step` seconds in `parts` equal parts: free flight, and impacts of the corners that
+ *  would pass the plane.
+ *  @param observer may be null
  *  @return TRIBO_OK or the status of the library function that failed. */
 tribo_status tumble_advance(const tumble *scene, double step, uint32_t parts, tribo_body *box,
                             tumble_observer observer, void *user);
