@@ -493,11 +493,18 @@ tribo_status tribo_collide(tribo_body *a, tribo_body *b, const double point[3],
                            const double normal[3], const tribo_material *pair,
                            const tribo_impact_options *options, tribo_collision_info *info)
 {
-    if (!pair) {
+    if (!a || !point || !normal || !pair) {
         return TRIBO_ERROR_NULL;
     }
+    tribo_impact_options known;
     tribo_contact contact;
-    const tribo_status status = tribo_contact_at(a, b, point, normal, &contact);
+    if (info && !size_is_known(info->struct_size, sizeof *info)) {
+        return TRIBO_ERROR_STRUCT_SIZE;
+    }
+    tribo_status status = read_options(options, &known);
+    if (status == TRIBO_OK) {
+        status = tribo_contact_at(a, b, point, normal, &contact);
+    }
     return status == TRIBO_OK ? tribo_contact_resolve(a, b, &contact, pair, options, info) : status;
 }
 

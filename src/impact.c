@@ -1,5 +1,6 @@
 #include "impact.h"
 #include "solve.h"
+#include "sym3.h"
 
 static double frictionless(const kernel_problem *k, double e, double p[3])
 {
@@ -67,6 +68,12 @@ static double lecture(const kernel_problem *k, const tribo_material *pair, uint3
     return share == 1.0 ? KERNEL_STICK : KERNEL_SLIP;
 }
 
+static int is_semidefinite(const kernel_problem *k)
+{
+    const double w[6] = {k->nn, k->n1, k->n2, k->t11, k->t12, k->t22};
+    return sym3_is_semidefinite(w, SEMIDEFINITE_TOLERANCE);
+}
+
 double impact_scaled(const kernel_problem *problem, const tribo_material *pair,
                       const tribo_impact_options *options, double p[3], tribo_impact_info *info)
 {
@@ -85,6 +92,9 @@ double impact_scaled(const kernel_problem *problem, const tribo_material *pair,
     case TRIBO_LAW_ROUTH_NEWTON:
     case TRIBO_LAW_ROUTH_POISSON:
     case TRIBO_LAW_ROUTH_STRONGE:
+        if (!is_semidefinite(problem)) {
+            return KERNEL_MATRIX;
+        }
         return routh_scaled(problem, pair, options->law, p, info);
     default:
         return algebraic(problem, pair, options->tangential_restitution, p, info);

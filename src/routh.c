@@ -19,7 +19,7 @@ enum { ORDER = 20, MAX_PIECES = 4000 };
 typedef struct routh_state {
     double un, ut[2];
     double pn, pt[2];
-    double work; /* integral of u_n dp_n */
+    double work; /* integral of u_n dp_n since the last end of compression */
 } routh_state;
 
 typedef struct routh_problem {
@@ -30,6 +30,7 @@ typedef struct routh_problem {
     double start;         /* u_n before the impact */
     int restituting;
     double compression;   /* p_n at greatest compression */
+    double spent;         /* integral of u_n dp_n up to there, negative */
     double goal;          /* u_n, p_n or work at which restitution ends, by law */
 } routh_problem;
 
@@ -71,6 +72,8 @@ static int begin_restitution(routh_problem *c, routh_state *state)
 {
     c->restituting = 1;
     c->compression = state->pn;
+    c->spent += state->work;
+    state->work = 0.0;
     switch (c->law) {
     case TRIBO_LAW_ROUTH_NEWTON:
         c->goal = -c->e * c->start;
@@ -79,7 +82,7 @@ static int begin_restitution(routh_problem *c, routh_state *state)
         c->goal = (1.0 + c->e) * state->pn;
         break;
     default:
-        c->goal = (1.0 - c->e * c->e) * state->work;
+        c->goal = -c->e * c->e * c->spent;
         break;
     }
     return c->e == 0.0;
@@ -121,7 +124,7 @@ static int run_linearly(routh_problem *c, const routh_slope *slope, double room,
         if (may_compress_again(c) && slope->un < 0.0) {
             const double falling = -state->un / slope->un;
             if (length < 0.0 || falling < length) {
-                c->restituting = 0;
+                c->restituting = room >= 0.0 && falling >= room;
                 length = -1.0;
             }
         }

@@ -207,8 +207,8 @@ TRIBO_API tribo_status tribo_contact_solve_general(const double w[9], const doub
  *  @param info    may be null
  *  @return TRIBO_ERROR_NULL, TRIBO_ERROR_STRUCT_SIZE, TRIBO_ERROR_OPTION, TRIBO_ERROR_NOT_FINITE,
  *          TRIBO_ERROR_RANGE, TRIBO_ERROR_FRICTION, TRIBO_ERROR_RESTITUTION,
- *          TRIBO_ERROR_CONTACT_MATRIX, TRIBO_ERROR_IMMOVABLE, TRIBO_ERROR_JAM. A W that is only
- *          semidefinite is accepted by FRICTIONLESS and ALGEBRAIC always, by LECTURE never
+ *          TRIBO_ERROR_CONTACT_MATRIX, TRIBO_ERROR_IMMOVABLE, TRIBO_ERROR_JAM. FRICTIONLESS needs, and
+ *          judges, no more of W than its size and diagonal. A W that is only semidefinite is accepted by FRICTIONLESS and ALGEBRAIC always, by LECTURE never
  *          (TRIBO_ERROR_CONTACT_MATRIX), by COULOMB and ROUTH where a solution exists. */
 TRIBO_API tribo_status tribo_impact(const double w[6], const double u[3], const tribo_material *pair,
                                     const tribo_impact_options *options, double p[3],
