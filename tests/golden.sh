@@ -123,7 +123,8 @@ runner_i686=qemu-i386
 runner_aarch64=qemu-aarch64
 [ "$machine" = aarch64 ] && runner_aarch64=
 wasm=(clang-16 --target=wasm32-wasi --sysroot=/usr)
-wasi="node --no-warnings tests/golden/wasi.mjs"
+# node before 20 wants the flag, later ones accept it
+wasi="node --no-warnings --experimental-wasi-unstable-preview1 tests/golden/wasi.mjs"
 
 if [ "${1:-}" = --update ]; then
     build "$work/update" gcc -O2 && TRIBO_ISA=scalar "$work/update" >"$golden" || exit 1

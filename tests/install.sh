@@ -40,7 +40,7 @@ check_with() # TOOL NAME COMMAND...
 # The same flags as the build, so that nothing is built again.
 run_make()
 {
-    MAKEFLAGS='' make -s "$@" BUILD="$BUILD" CC="$CC" CFLAGS="${CFLAGS--O2 -g}" \
+    MAKEFLAGS='' make -s "$@" BUILD="$BUILD" CC="$CC" CFLAGS="${CFLAGS--O3 -g}" \
         CPPFLAGS="${CPPFLAGS-}" LDFLAGS="${LDFLAGS-}" DESTDIR="$stage" PREFIX=/usr
 }
 
