@@ -354,7 +354,8 @@ static void test_set_mass_inverts(void **state)
         TRIBO_OK);
     static const double inverse[6] = {2.0, 0.0, 0.0, 4.0, 0.0, 2.0};
     assert_true(body.inverse_mass == 0.25);
-    assert_memory_equal(body.inverse_inertia, inverse, sizeof inverse);
+    within(distance(body.inverse_inertia, inverse, 6), 0.0);
+    settle("inverse of a diagonal, exact");
 }
 
 /* What the contract lets through: asymmetry of 1e-12, flat bodies, one moment as great as the sum
