@@ -53,7 +53,9 @@ endif
 
 # The promise of equal bits is kept by these flags. They come after the user's, so that CFLAGS can
 # not drop them, and value-changing flags are refused, at linking too: they turn subnormals off.
-FP := -ffp-contract=off -fno-math-errno -fno-trapping-math
+# Where the machine has fused multiply-adds, gcc 12 makes them of vectorised a*b+c, a*b-c pairs in
+# spite of -ffp-contract=off; that is why straight-line code is not vectorised and FMA is not used.
+FP := -ffp-contract=off -fno-math-errno -fno-trapping-math -fno-tree-slp-vectorize
 WARN := -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes \
         -Wmissing-prototypes -Wvla -Wundef $(if $(filter 1,$(WERROR)),-Werror)
 UNSAFE := $(filter -ffast-math -Ofast -funsafe-math-optimizations -fassociative-math \
@@ -64,9 +66,7 @@ endif
 
 MACROS := $(shell $(CC) $(CPPFLAGS) $(CFLAGS) -dM -E -x c /dev/null 2>/dev/null | \
             grep -oE '__(x86_64|i386)__')
-ifneq ($(filter __i386__,$(MACROS)),)
-FP += -msse2 -mfpmath=sse
-endif
+FP += $(if $(MACROS),-mno-fma) $(if $(filter __i386__,$(MACROS)),-msse2 -mfpmath=sse)
 COMMON = $(CPPFLAGS) -Iinclude $(CFLAGS) -std=c99 $(WARN) $(FP)
 DEPEND = -MMD -MP
 

@@ -13,7 +13,9 @@ golden=tests/golden/bits.txt
 work=$BUILD/golden
 rm -rf "$work" && mkdir -p "$work" || exit 2
 
-flags=(-std=c99 -ffp-contract=off -fno-math-errno -fno-trapping-math -Iinclude -DTRIBO_BUILD)
+# as in the Makefile
+flags=(-std=c99 -ffp-contract=off -fno-math-errno -fno-trapping-math -fno-tree-slp-vectorize)
+flags+=(-Iinclude -DTRIBO_BUILD)
 sources=()
 for source in src/*.c; do
     [ "$source" = src/batch_lanes.c ] || sources+=("$source")
@@ -28,6 +30,7 @@ build()
     if "$@" -dM -E -x c /dev/null | grep -q __x86_64__; then
         levels+=(x86_64_v3 x86_64_v4)
         define=(-DTRIBO_HAVE_X86_64_LEVELS=1)
+        set -- "$@" -mno-fma
     fi
     for level in "${levels[@]}"; do
         local march=()
@@ -36,7 +39,7 @@ build()
         x86_64_v4) march=(-march=x86-64-v4 -mprefer-vector-width=512) ;;
         esac
         objects+=("$program.$level.o")
-        "$@" "${flags[@]}" "${march[@]}" "-DTRIBO_LANES=$level" -c src/batch_lanes.c \
+        "$@" "${march[@]}" "${flags[@]}" "-DTRIBO_LANES=$level" -c src/batch_lanes.c \
             -o "$program.$level.o" || return 1
     done
     "$@" "${flags[@]}" "${define[@]}" "${sources[@]}" tests/golden/bits.c "${objects[@]}" -lm \
@@ -115,6 +118,23 @@ built_library()
     fi
 }
 
+# Hashes see only what the run meets; the absence of fused multiply-adds can be seen in the code.
+nothing_fused()
+{
+    local found
+    found=$(objdump -d --no-show-raw-insn "$BUILD/libtribo_core.so" |
+        grep -E '\s(vfn?m(add|sub)|fn?m(add|sub)|fml[as])' | head -n 5)
+    if ! objdump -d "$BUILD/libtribo_core.so" | grep -q '<tribo_vec3_dot'; then
+        echo "not ok - no fused multiply-add in the library"
+        echo "# there is no code to look at"
+    elif [ -n "$found" ]; then
+        echo "not ok - no fused multiply-add in the library"
+        echo "# $found"
+    else
+        echo "ok - no fused multiply-add in the library"
+    fi
+}
+
 machine=$(uname -m)
 native="scalar baseline"
 [ "$machine" = x86_64 ] && native="scalar baseline x86-64-v3 x86-64-v4 best"
@@ -132,6 +152,7 @@ if [ "${1:-}" = --update ]; then
 fi
 
 start built_library
+start nothing_fused
 start cell "aarch64 gcc -O2" "scalar baseline" "$runner_aarch64" aarch64-linux-gnu-gcc -static -O2
 start cell "wasm32 clang -O2" "scalar baseline" "$wasi" "${wasm[@]}" -O2
 start cell "wasm32 clang -O2 simd128" "scalar baseline" "$wasi" "${wasm[@]}" -O2 -msimd128
@@ -142,6 +163,14 @@ for compiler in gcc clang-16; do
         start cell "$compiler $optimisation" "$native" "" $compiler $optimisation
     done
 done
+if [ "$machine" = x86_64 ]; then
+    # the whole library for a machine with FMA, as -march=native would make it
+    for compiler in gcc clang-16; do
+        for level in x86-64-v3 x86-64-v4; do
+            start cell "$compiler -O3 all $level" "$level" "" $compiler -O3 -march=$level
+        done
+    done
+fi
 wait
 
 cat "$work"/*.out | awk '
