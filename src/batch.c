@@ -1,7 +1,8 @@
 #include <tribo/batch.h>
 
 #include "lanes.h"
-#include "solve.h"
+
+#include <string.h>
 
 /* ---- instruction sets ------------------------------------------------------------------------ */
 
@@ -103,18 +104,33 @@ static tribo_status matrix_scalar(size_t body_count, const tribo_body *bodies, s
     return first;
 }
 
+void lanes_solve_one(const double *w, const double *b, const double *mu, size_t i, double *p,
+                     uint32_t *modes, tribo_status *statuses, tribo_status *first)
+{
+    tribo_solve_info info = {.struct_size = sizeof info};
+    const tribo_status status =
+        tribo_contact_solve(w + 6 * i, b + 3 * i, mu[2 * i], mu[2 * i + 1], p + 3 * i, &info);
+    const uint32_t mode = status == TRIBO_ERROR_JAM ? TRIBO_MODE_JAM : info.mode;
+    lanes_give(status, mode, i, modes, statuses, first);
+}
+
 static tribo_status solve_scalar(size_t count, const double *w, const double *b, const double *mu,
                                  double *p, uint32_t *modes, tribo_status *statuses)
 {
     tribo_status first = TRIBO_OK;
     for (size_t i = 0; i < count; i++) {
-        tribo_solve_info info = {.struct_size = sizeof info};
-        const tribo_status status = tribo_contact_solve(w + 6 * i, b + 3 * i, mu[2 * i],
-                                                        mu[2 * i + 1], p + 3 * i, &info);
-        const uint32_t mode = status == TRIBO_ERROR_JAM ? TRIBO_MODE_JAM : info.mode;
-        lanes_give(status, mode, i, modes, statuses, &first);
+        lanes_solve_one(w, b, mu, i, p, modes, statuses, &first);
     }
     return first;
+}
+
+void lanes_impact_one(const double *w, const double *u, const tribo_material *pairs, size_t i,
+                      double *p, uint32_t *modes, tribo_status *statuses, tribo_status *first)
+{
+    tribo_impact_info info = {.struct_size = sizeof info};
+    const tribo_status status =
+        tribo_impact(w + 6 * i, u + 3 * i, pairs + i, NULL, p + 3 * i, &info);
+    lanes_give(status, info.mode, i, modes, statuses, first);
 }
 
 static tribo_status impact_scalar(size_t count, const double *w, const double *u,
@@ -123,10 +139,7 @@ static tribo_status impact_scalar(size_t count, const double *w, const double *u
 {
     tribo_status first = TRIBO_OK;
     for (size_t i = 0; i < count; i++) {
-        tribo_impact_info info = {.struct_size = sizeof info};
-        const tribo_status status =
-            tribo_impact(w + 6 * i, u + 3 * i, pairs + i, NULL, p + 3 * i, &info);
-        lanes_give(status, info.mode, i, modes, statuses, &first);
+        lanes_impact_one(w, u, pairs, i, p, modes, statuses, &first);
     }
     return first;
 }

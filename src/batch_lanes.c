@@ -2,8 +2,8 @@
  * kernel.h, which compilers turn into vector code; lanes that have settled are frozen, so each goes
  * through exactly the operations of its scalar solve. Loading turns contact-major arrays into lanes. */
 #include "lanes.h"
+#include "kernel.h"
 #include "rows.h"
-#include "solve.h"
 
 #ifndef TRIBO_LANES
 #define TRIBO_LANES baseline
@@ -16,6 +16,14 @@ typedef double lane_row[LANES];
 /* rows[k][i] = array[i * width + k], the last contact repeated in lanes beyond `count`. */
 TRIBO_ALWAYS_INLINE void load_rows(const double *array, int width, size_t count, lane_row *rows)
 {
+    for (int k = 0; k < width && count == LANES; k++) {
+        for (int i = 0; i < LANES; i++) {
+            rows[k][i] = array[i * width + k];
+        }
+    }
+    if (count == LANES) {
+        return;
+    }
     for (size_t i = 0; i < LANES; i++) {
         const double *from = array + (i < count ? i : count - 1) * (size_t)width;
         for (int k = 0; k < width; k++) {
@@ -31,8 +39,8 @@ typedef struct lane_problem {
 } lane_problem;
 
 typedef struct lane_slip {
-    lane_row inverse_a, bn, mu_s, inverse_mu, lam1, lam2, ex, ey, shrink, c1, c2, w1, w2;
-    lane_row A, B, C, alpha, beta, gamma, nu, mode;
+    lane_row inverse_a, bn, n1, n2, c1, c2, e1, e2, trace, det, mu_s, inverse_mu;
+    lane_row A, B, C, alpha, beta, gamma, least, nu, mode;
 } lane_slip;
 
 static void scale_lanes(lane_row *restrict w, lane_row *restrict b, lane_problem *restrict out)
@@ -73,23 +81,23 @@ static void prepare_lanes(const lane_problem *restrict p, lane_row *restrict mu,
         kernel_prepare(&k, mu[0][i], mu[1][i], &e);
         out->inverse_a[i] = e.inverse_a;
         out->bn[i] = e.bn;
-        out->mu_s[i] = e.mu_s;
-        out->inverse_mu[i] = e.inverse_mu;
-        out->lam1[i] = e.lam1;
-        out->lam2[i] = e.lam2;
-        out->ex[i] = e.ex;
-        out->ey[i] = e.ey;
-        out->shrink[i] = e.shrink;
+        out->n1[i] = e.n1;
+        out->n2[i] = e.n2;
         out->c1[i] = e.c1;
         out->c2[i] = e.c2;
-        out->w1[i] = e.w1;
-        out->w2[i] = e.w2;
+        out->e1[i] = e.e1;
+        out->e2[i] = e.e2;
+        out->trace[i] = e.trace;
+        out->det[i] = e.det;
+        out->mu_s[i] = e.mu_s;
+        out->inverse_mu[i] = e.inverse_mu;
         out->A[i] = e.A;
         out->B[i] = e.B;
         out->C[i] = e.C;
         out->alpha[i] = e.alpha;
         out->beta[i] = e.beta;
         out->gamma[i] = e.gamma;
+        out->least[i] = e.least;
         out->nu[i] = e.nu;
         out->mode[i] = e.mode;
     }
@@ -97,12 +105,13 @@ static void prepare_lanes(const lane_problem *restrict p, lane_row *restrict mu,
 
 TRIBO_ALWAYS_INLINE kernel_slip slip_of(const lane_slip *s, int i)
 {
-    const kernel_slip e = {s->inverse_a[i], s->bn[i],     s->mu_s[i], s->inverse_mu[i],
-                           s->lam1[i],      s->lam2[i],   s->ex[i],   s->ey[i],
-                           s->shrink[i],    s->c1[i],     s->c2[i],   s->w1[i],
-                           s->w2[i],        s->A[i],      s->B[i],    s->C[i],
-                           s->alpha[i],     s->beta[i],   s->gamma[i], s->nu[i],
-                           s->mode[i]};
+    const kernel_slip e = {
+        s->inverse_a[i], s->bn[i], s->n1[i], s->n2[i], s->c1[i],
+        s->c2[i], s->e1[i], s->e2[i], s->trace[i], s->det[i],
+        s->mu_s[i], s->inverse_mu[i], s->A[i], s->B[i], s->C[i],
+        s->alpha[i], s->beta[i], s->gamma[i], s->least[i], s->nu[i],
+        s->mode[i],
+    };
     return e;
 }
 
@@ -135,63 +144,34 @@ static void finish_lanes(const lane_slip *restrict s, const lane_problem *restri
     }
 }
 
-/* Open contacts have no impulse, and those without friction slide. Returns how many lanes are anything but a
- * public mode with a finite impulse. */
-static double settle_lanes(lane_row *restrict p, double *restrict mode)
+/* Open contacts have no impulse. odd[i] becomes 1 where a lane wants a closer look: an odd mode, a lane that has
+ * not settled, an impulse beyond double. Returns how many. */
+static double settle_lanes(lane_row *restrict p, const double *restrict mode,
+                           const double *restrict open, double *restrict odd)
 {
-    lane_row odd;
     for (int i = 0; i < LANES; i++) {
         const double m = mode[i];
         const double p0 = m == KERNEL_OPEN ? 0.0 : p[0][i];
         const double p1 = m == KERNEL_OPEN ? 0.0 : p[1][i];
         const double p2 = m == KERNEL_OPEN ? 0.0 : p[2][i];
-        const double slides = m == KERNEL_FREE ? KERNEL_SLIP : m;
-        const double probe = (p0 - p0) + (p1 - p1) + (p2 - p2);
-        const double public_mode = slides <= KERNEL_SLIP ? 0.0 : 1.0;
-        mode[i] = slides;
+        const double probe = ((p0 - p0) + (p1 - p1) + (p2 - p2)) + open[i];
+        const double by_mode = m <= KERNEL_SLIP ? 0.0 : 1.0;
         p[0][i] = p0;
         p[1][i] = p1;
         p[2][i] = p2;
-        odd[i] = probe == 0.0 ? public_mode : 1.0;
+        odd[i] = probe == 0.0 ? by_mode : 1.0;
     }
     return ((odd[0] + odd[1]) + (odd[2] + odd[3])) + ((odd[4] + odd[5]) + (odd[6] + odd[7]));
 }
 
-/* One lane whose outcome is a fault, a jam or an impulse beyond double. */
-static tribo_status judge_lane(double mode, const double p[3])
+/* One lane's impulse and mode to the caller. */
+TRIBO_ALWAYS_INLINE void store_lane(lane_row *p_rows, double mode, size_t i, double *p,
+                                    uint32_t *modes, tribo_status *statuses, tribo_status *first)
 {
-    const tribo_status status = status_of_mode(mode);
-    return status == TRIBO_OK && !all_finite(p, 3) ? TRIBO_ERROR_RANGE : status;
-}
-
-/* Outcomes of a block to the caller's arrays. */
-static void store_block(size_t count, lane_row *p_rows, const double *mode, double odd, double *p,
-                        uint32_t *modes, tribo_status *statuses, tribo_status *first)
-{
-    for (size_t i = 0; i < count; i++) {
-        const double impulse[3] = {p_rows[0][i], p_rows[1][i], p_rows[2][i]};
-        const tribo_status status = odd == 0.0 ? TRIBO_OK : judge_lane(mode[i], impulse);
-        if (status == TRIBO_OK) {
-            p[3 * i] = impulse[0];
-            p[3 * i + 1] = impulse[1];
-            p[3 * i + 2] = impulse[2];
-        }
-        lanes_give(status, (uint32_t)(int)mode[i], i, modes, statuses, first);
-    }
-}
-
-/* A lane that the fast iteration is not for. */
-static void solve_lane_slowly(const lane_problem *problems, lane_row *mu, int i, lane_row *p,
-                              double *mode)
-{
-    const kernel_problem k = problem_of(problems, i);
-    uint32_t iterations = 0;
-    double impulse[3];
-    double nu;
-    *mode = solve_slowly(&k, mu[0][i], mu[1][i], impulse, &nu, &iterations);
-    for (int j = 0; j < 3; j++) {
-        p[j][i] = impulse[j] * k.up * k.up2;
-    }
+    p[3 * i] = p_rows[0][i];
+    p[3 * i + 1] = p_rows[1][i];
+    p[3 * i + 2] = p_rows[2][i];
+    lanes_give(TRIBO_OK, (uint32_t)(int)mode, i, modes, statuses, first);
 }
 
 static void solve_block(size_t count, const double *w, const double *b, const double *mu, double *p,
@@ -204,8 +184,8 @@ static void solve_block(size_t count, const double *w, const double *b, const do
     lane_problem problem;
     lane_slip slip;
     lane_row open;
+    lane_row odd;
     double left = 0.0;
-    double slow = 0.0;
     load_rows(w, 6, count, w_rows);
     load_rows(b, 3, count, b_rows);
     load_rows(mu, 2, count, mu_rows);
@@ -214,19 +194,19 @@ static void solve_block(size_t count, const double *w, const double *b, const do
     for (int i = 0; i < LANES; i++) {
         open[i] = slip.mode[i] == KERNEL_SLIP ? 1.0 : 0.0;
         left += open[i];
-        slow += slip.mode[i] == KERNEL_SLOW ? 1.0 : 0.0;
     }
     for (int step = 0; step < MAX_HALLEY && left > 0.0; step++) {
         left = step_lanes(&slip, open);
     }
     finish_lanes(&slip, &problem, p_rows);
-    for (int i = 0; i < LANES && left + slow > 0.0; i++) {
-        if (open[i] != 0.0 || slip.mode[i] == KERNEL_SLOW) {
-            solve_lane_slowly(&problem, mu_rows, i, p_rows, &slip.mode[i]);
+    const double any_odd = settle_lanes(p_rows, slip.mode, open, odd);
+    for (size_t i = 0; i < count; i++) {
+        if (any_odd > 0.0 && odd[i] > 0.0) {
+            lanes_solve_one(w, b, mu, i, p, modes, statuses, first);
+        } else {
+            store_lane(p_rows, slip.mode[i], i, p, modes, statuses, first);
         }
     }
-    const double odd = settle_lanes(p_rows, slip.mode);
-    store_block(count, p_rows, slip.mode, odd, p, modes, statuses, first);
 }
 
 static tribo_status solve(size_t count, const double *w, const double *b, const double *mu,
@@ -266,13 +246,21 @@ static void impact_block(size_t count, const double *w, const double *u, const t
     lane_row p_rows[3];
     lane_problem problem;
     lane_row mode;
+    lane_row odd;
+    const lane_row open = {0.0};
     load_rows(w, 6, count, w_rows);
     load_rows(u, 3, count, u_rows);
     load_rows(&pairs[0].mu_s, 3, count, pair_rows);
     scale_lanes(w_rows, u_rows, &problem);
     impact_lanes(&problem, pair_rows, p_rows, mode);
-    const double odd = settle_lanes(p_rows, mode);
-    store_block(count, p_rows, mode, odd, p, modes, statuses, first);
+    const double any_odd = settle_lanes(p_rows, mode, open, odd);
+    for (size_t i = 0; i < count; i++) {
+        if (any_odd > 0.0 && odd[i] > 0.0) {
+            lanes_impact_one(w, u, pairs, i, p, modes, statuses, first);
+        } else {
+            store_lane(p_rows, mode[i], i, p, modes, statuses, first);
+        }
+    }
 }
 
 static tribo_status impact(size_t count, const double *w, const double *u,

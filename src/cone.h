@@ -23,7 +23,7 @@ static inline void cone_project(const double p[3], double mu, double out[3])
 {
     const double n = p[0];
     const double r = planar_length(p[1], p[2]);
-    if (r <= mu * n) {
+    if (n >= 0.0 && r <= mu * n) {
         out[0] = p[0];
         out[1] = p[1];
         out[2] = p[2];

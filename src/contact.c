@@ -537,23 +537,50 @@ static double scale_down(const double x[3], double scaled[3])
     return s;
 }
 
+/* Back to the caller's units; TRIBO_ERROR_RANGE if that is beyond double. */
+static tribo_status scale_up(const double scaled[3], double s, double out[3])
+{
+    double x[3];
+    for (int i = 0; i < 3; i++) {
+        x[i] = scaled[i] / s;
+    }
+    if (!all_finite(x, 3)) {
+        return TRIBO_ERROR_RANGE;
+    }
+    memcpy(out, x, sizeof x);
+    return TRIBO_OK;
+}
+
+/* Rounding to subnormal numbers may have put p_t outside of the cone: down by one of them. */
+static void step_into_cone(double p[3], double mu)
+{
+    for (int tries = 0; tries < 2 && !tribo_cone_contains(p, mu, 4.0 * TRIBO_EPS); tries++) {
+        for (int i = 1; i < 3; i++) {
+            if (p[i] != 0.0) {
+                p[i] = double_of(bits_of(p[i]) - 1u);
+            }
+        }
+    }
+}
+
 tribo_status tribo_cone_project(const double p[3], double mu, double out[3])
 {
-    const tribo_status status = check_cone(p, mu, out);
+    tribo_status status = check_cone(p, mu, out);
     if (status == TRIBO_OK) {
         double scaled[3];
         const double s = scale_down(p, scaled);
         cone_project(scaled, mu, scaled);
-        for (int i = 0; i < 3; i++) {
-            out[i] = scaled[i] / s;
-        }
+        status = scale_up(scaled, s, out);
+    }
+    if (status == TRIBO_OK) {
+        step_into_cone(out, mu);
     }
     return status;
 }
 
 tribo_status tribo_cone_project_dual(const double x[3], double mu, double out[3])
 {
-    const tribo_status status = check_cone(x, mu, out);
+    tribo_status status = check_cone(x, mu, out);
     if (status == TRIBO_OK) {
         /* Moreau: x = P_K*(x) - P_K(-x). */
         double scaled[3];
@@ -561,9 +588,8 @@ tribo_status tribo_cone_project_dual(const double x[3], double mu, double out[3]
         const double s = scale_down(x, scaled);
         const double minus[3] = {-scaled[0], -scaled[1], -scaled[2]};
         cone_project(minus, mu, polar);
-        for (int i = 0; i < 3; i++) {
-            out[i] = (scaled[i] + polar[i]) / s;
-        }
+        tribo_vec3_add(scaled, polar, scaled);
+        status = scale_up(scaled, s, out);
     }
     return status;
 }
@@ -575,10 +601,10 @@ tribo_status tribo_cone_clamp(const double p[3], double mu, double out[3])
         const double normal = p[0] > 0.0 ? p[0] : 0.0;
         const double length = planar_length(p[1], p[2]);
         const double limit = mu * normal;
-        const double f = length > limit ? limit / length : 1.0;
+        const int outside = length > limit;
         out[0] = normal;
-        out[1] = f * p[1];
-        out[2] = f * p[2];
+        out[1] = outside ? p[1] / length * limit : p[1];
+        out[2] = outside ? p[2] / length * limit : p[2];
     }
     return status;
 }

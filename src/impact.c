@@ -16,7 +16,7 @@ static double algebraic(const kernel_problem *k, const tribo_material *pair, dou
     kernel_solve_algebraic(k, pair->mu_s, pair->mu_d, pair->e, e_t, &result);
     memcpy(p, result.p, sizeof result.p);
     info->kappa = result.kappa;
-    return result.mode;
+    return result.mode == KERNEL_ODD ? KERNEL_MATRIX : result.mode;
 }
 
 static double coulomb(const kernel_problem *k, const tribo_material *pair, double p[3],

@@ -2,36 +2,34 @@
  * (batch_lanes.c) are one source and give the same bits.
  *
  * Everything here works on a contact matrix and a velocity that were scaled by powers of two to greatest
- * entries in [1, 2). Notation as in contact.h; a = W_nn, S the Schur complement of W_nn, lam1 >= lam2 its
- * eigenvalues, (ex, ey) the eigenvector of lam1 of length 1 / sqrt(shrink), c and w in that basis. */
+ * entries in [1, 2). Notation as in contact.h; a = W_nn, w = (n1, n2), S the Schur complement of W_nn. */
 #ifndef TRIBO_KERNEL_H
 #define TRIBO_KERNEL_H
 
 #include "bits.h"
 
+#include <float.h>
 #include <math.h>
 
-/* What becomes of a problem; the first three are the public modes, faults stand in the order in which they
+/* What becomes of a problem; the first four are the public modes, faults stand in the order in which they
  * are reported. Held in doubles, because lanes select doubles by comparisons of doubles. */
 #define KERNEL_OPEN 0.0
 #define KERNEL_STICK 1.0
 #define KERNEL_SLIP 2.0
 #define KERNEL_JAM 3.0
-#define KERNEL_SLOW 4.0 /* outside of what the fast iteration is proven for: bisect */
-#define KERNEL_FREE 5.0 /* no friction at all: slides, p_t = 0 */
-#define KERNEL_NOT_FINITE 6.0
-#define KERNEL_RANGE 7.0
-#define KERNEL_FRICTION 8.0
-#define KERNEL_RESTITUTION 9.0
-#define KERNEL_MATRIX 10.0
-#define KERNEL_IMMOVABLE 11.0
+#define KERNEL_ODD 4.0 /* not for the branch-free path: solve.c and contact.c look closer */
+#define KERNEL_NOT_FINITE 5.0
+#define KERNEL_RANGE 6.0
+#define KERNEL_FRICTION 7.0
+#define KERNEL_MATRIX 8.0
+#define KERNEL_IMMOVABLE 9.0
 
 #define SEMIDEFINITE_TOLERANCE 1e-12
 #define SINGULAR_TOLERANCE (8.0 * TRIBO_EPS)
-#define FAST_MIN 8.6736173798840355e-19     /* 2^-60: bounds of mu and |b_n| for the fast iteration */
-#define FAST_MAX 1152921504606846976.0      /* 2^60 */
-#define FAST_MIN_DRIVE 7.8886090522101181e-31 /* 2^-100: least |c| */
-#define ISOTROPIC 1e-100              /* difference of eigenvalues that counts as none */
+#define FAST_MIN 8.6736173798840355e-19       /* 2^-60: bounds of mu and |b_n| in this file */
+#define FAST_MAX 1152921504606846976.0        /* 2^60 */
+#define FAST_MIN_DRIVE 7.8886090522101181e-31 /* 2^-100: least |c| but 0 */
+#define FAST_CONDITION 0.000244140625         /* 2^-12: least det S / (trace S)^2 */
 #define STEP_TOLERANCE 9.5367431640625e-07    /* 2^-20: the next error is the cube */
 
 enum { MAX_HALLEY = 12 };
@@ -99,149 +97,91 @@ TRIBO_ALWAYS_INLINE void kernel_reduce(const kernel_problem *k, kernel_schur *ou
     out->c2 = l2 * k->bn - k->b2;
 }
 
-/* The slip equation N(nu) = sqrt(q(nu)) in the eigenbasis of S, where numerator and square are plain
- * quadratics (both sides of mu p_n = |p_t|, times a det(S + nu 1)):
- *   N = A nu^2 + B nu + C,  q = alpha nu^2 + 2 beta nu + gamma.
- * Each coefficient is a sum that cancels no more than the law itself does; squaring the equation into
- * a quartic is what loses digits. */
+/* The slip equation. With D(nu) = det(S + nu 1) = nu^2 + trace nu + det and e = adj(S) c,
+ *     D p_t = c nu + e,   a D p_n = -(b_n D + w . (c nu + e)),
+ * so mu p_n = |p_t|, times a D, is N(nu) = sqrt(q(nu)) with plain quadratics
+ *     N = A nu^2 + B nu + C,   q = alpha nu^2 + 2 beta nu + gamma   (a^2 is inside q).
+ * Squaring that into a quartic is what loses digits elsewhere. adj(S) loses eps (trace S)^2 / det S, no
+ * more than 1e-12 where det S >= FAST_CONDITION (trace S)^2; bodies of any usual shape have 1e-2. */
 typedef struct kernel_slip {
-    double inverse_a, bn, mu_s, inverse_mu;
-    double lam1, lam2, ex, ey, shrink, c1, c2, w1, w2;
+    double inverse_a, bn, n1, n2, c1, c2, e1, e2, trace, det;
+    double mu_s, inverse_mu;
     double A, B, C, alpha, beta, gamma;
+    double least; /* changes of nu far below this one do not matter */
     double nu;
-    double mode; /* one of the above */
+    double mode; /* OPEN, STICK, SLIP or ODD */
 } kernel_slip;
+
+/* First guess of nu; returns sqrt q(0), the side of the equation that sticking is measured against. sqrt q is
+ * convex, so its tangents at 0 and at infinity lie below it, and with either in place of sqrt q the slip
+ * equation is a quadratic whose greater root lies left of the greatest root wanted. The greater of the two
+ * needs 1.4 to 2 steps on average. */
+TRIBO_ALWAYS_INLINE double kernel_guess(kernel_slip *e)
+{
+    const double near_side = sqrt(e->gamma);
+    const double far_side = sqrt(e->alpha);
+    const double far_rest = e->beta / e->alpha * far_side - e->C;
+    const double far_half = 0.5 * (far_side - e->B);
+    const double far_square = far_half * far_half + e->A * far_rest;
+    const double near_rest = near_side - e->C;
+    const double near_half = 0.5 * (e->beta / e->gamma * near_side - e->B);
+    const double near_square = near_half * near_half + e->A * near_rest;
+    const double inverse_A = 1.0 / e->A;
+    const double far_guess = (far_half + sqrt(far_square > 0.0 ? far_square : 0.0)) * inverse_A;
+    const double near_guess = (near_half + sqrt(near_square)) * inverse_A;
+    e->nu = far_guess > near_guess ? far_guess : near_guess;
+    return near_side;
+}
 
 TRIBO_ALWAYS_INLINE void kernel_prepare(const kernel_problem *k, double mu_s, double mu_d,
                                         kernel_slip *out)
 {
     kernel_schur s;
     kernel_reduce(k, &s);
-
-    /* Eigenvectors without cancellation: (x, s12), x = r + |d|, is along lam1 if d >= 0, across it else. They
-     * stay as long as they are; where two of them meet, 1 / length^2 makes up for it. Where S is a multiple
-     * of 1, to more digits than there are, any direction will do. */
     const double trace = s.s11 + s.s22;
-    const double d = 0.5 * (s.s11 - s.s22);
-    const double r = sqrt(d * d + s.s12 * s.s12);
-    const double x_raw = r + absolute(d);
-    const int distinct = x_raw > ISOTROPIC;
-    const double x = distinct ? x_raw : 1.0;
-    const double y = distinct ? s.s12 : 0.0;
-    const double shrink = 1.0 / (x * x + y * y);
-    const double ex = d >= 0.0 ? x : y;
-    const double ey = d >= 0.0 ? y : x;
-    const double lam1_raw = 0.5 * trace + r;
-    const double determinant = s.s11 * s.s22 - s.s12 * s.s12;
-    const double lam2_raw = determinant / (lam1_raw > 0.0 ? lam1_raw : 1.0);
-
-    /* What rounding leaves of a singular S counts as zero; a part of c along its null space likewise. */
-    const double size = k->t11 + k->t22;
-    const double drive = absolute(k->b1) + absolute(k->b2) +
-                         (absolute(k->n1) + absolute(k->n2)) * s.inverse_a * absolute(k->bn);
-    const double nothing = SINGULAR_TOLERANCE * size;
-    const double no_drive = SINGULAR_TOLERANCE * drive;
-    const double c1_raw = mu_s == 0.0 ? 0.0 : ex * s.c1 + ey * s.c2;
-    const double c2_raw = mu_s == 0.0 ? 0.0 : ex * s.c2 - ey * s.c1;
-    const int singular1 = lam1_raw <= nothing;
-    const int singular2 = lam2_raw <= nothing;
-    const double lam1 = singular1 ? 0.0 : lam1_raw;
-    const double lam2 = singular2 ? 0.0 : lam2_raw;
-    const double least_c = no_drive * x;
-    const double c1_clean = absolute(c1_raw) <= least_c ? 0.0 : c1_raw;
-    const double c2_clean = absolute(c2_raw) <= least_c ? 0.0 : c2_raw;
-    const double c1 = singular1 ? c1_clean : c1_raw;
-    const double c2 = singular2 ? c2_clean : c2_raw;
-    const double w1 = ex * k->n1 + ey * k->n2;
-    const double w2 = ex * k->n2 - ey * k->n1;
-
-    /* q is taken times a^2, so that the other side of the equation is sqrt q alone. */
-    const double coupling1 = w1 * c1 * shrink;
-    const double coupling2 = w2 * c2 * shrink;
-    const double unit = k->nn * k->nn * shrink;
-    const double square1 = c1 * c1 * unit;
-    const double square2 = c2 * c2 * unit;
-    const double alpha = square1 + square2;
-    const double beta = square1 * lam2 + square2 * lam1;
-    const double gamma = square1 * (lam2 * lam2) + square2 * (lam1 * lam1);
-    const double base_a = -k->bn;
-    const double base_b = (base_a * (lam1 + lam2) - coupling1) - coupling2;
-    const double base_c = (base_a * (lam1 * lam2) - coupling1 * lam2) - coupling2 * lam1;
-    const double A = mu_d * base_a;
-    const double B = mu_d * base_b;
-    const double C = mu_d * base_c;
-    const double side = sqrt(gamma);
-
-    /* First guess. sqrt q is convex, so its tangents at 0 and at infinity lie below it, and with either in
-     * place of sqrt q the slip equation is a quadratic whose greater root lies left of the greatest
-     * root wanted. The greater of the two needs 1.4 to 2 steps on average. */
-    const double far_side = sqrt(alpha);
-    const double far_rest = beta / far_side - C;
-    const double far_half = 0.5 * (far_side - B);
-    const double far_square = far_half * far_half + A * far_rest;
-    const double near_rest = side - C;
-    const double near_half = 0.5 * (beta / side - B);
-    const double near_square = near_half * near_half + A * near_rest;
-    const double inverse_A = 1.0 / A;
-    const double far_guess = (far_half + sqrt(far_square > 0.0 ? far_square : 0.0)) * inverse_A;
-    const double near_guess = (near_half + sqrt(near_square)) * inverse_A;
-    const double guess = far_guess > near_guess ? far_guess : near_guess;
+    const double det = s.s11 * s.s22 - s.s12 * s.s12;
+    const double e1 = s.s22 * s.c1 - s.s12 * s.c2;
+    const double e2 = s.s11 * s.c2 - s.s12 * s.c1;
+    const double base_b = -k->bn * trace - (k->n1 * s.c1 + k->n2 * s.c2);
+    const double base_c = -k->bn * det - (k->n1 * e1 + k->n2 * e2);
+    const double unit = k->nn * k->nn;
 
     out->inverse_a = s.inverse_a;
     out->bn = k->bn;
+    out->n1 = k->n1;
+    out->n2 = k->n2;
+    out->c1 = s.c1;
+    out->c2 = s.c2;
+    out->e1 = e1;
+    out->e2 = e2;
+    out->trace = trace;
+    out->det = det;
     out->mu_s = mu_s;
     out->inverse_mu = 1.0 / mu_d;
-    out->lam1 = lam1;
-    out->lam2 = lam2;
-    out->ex = ex;
-    out->ey = ey;
-    out->shrink = shrink;
-    out->c1 = c1;
-    out->c2 = c2;
-    out->w1 = w1;
-    out->w2 = w2;
-    out->A = A;
-    out->B = B;
-    out->C = C;
-    out->alpha = alpha;
-    out->beta = beta;
-    out->gamma = gamma;
-    out->nu = guess > 0.0 ? guess : lam1;
+    out->A = -mu_d * k->bn;
+    out->B = mu_d * base_b;
+    out->C = mu_d * base_c;
+    out->alpha = unit * (s.c1 * s.c1 + s.c2 * s.c2);
+    out->beta = unit * (s.c1 * e1 + s.c2 * e2);
+    out->gamma = unit * (e1 * e1 + e2 * e2);
+    out->least = FAST_CONDITION * trace; /* no more than the lesser eigenvalue of S */
+    const double side = kernel_guess(out);
 
-    /* Stick needs S to be invertible where c asks for it. Without it, friction that grows at least as fast
-     * as the slip it fights (N >= a sqrt q as nu -> 0) leaves no bounded solution. */
-    const double greatest_c = greater(absolute(c1), absolute(c2));
-    const int fast = (mu_d >= FAST_MIN) & (mu_s <= FAST_MAX) & (-k->bn >= FAST_MIN) &
-                     (greatest_c >= FAST_MIN_DRIVE * x);
-    const int within = mu_s * base_c >= side;
-    const double immobile_drive =
-        (singular1 ? absolute(c1) : 0.0) + (singular2 ? absolute(c2) : 0.0);
-    const double friction_gain = singular1 ? B : C;
-    const double sliding_gain = singular1 ? far_side : side;
-    double mode = within ? KERNEL_STICK : KERNEL_SLIP;
-    const double without = friction_gain >= sliding_gain ? KERNEL_JAM : KERNEL_SLIP;
-    mode = immobile_drive > 0.0 ? without : mode;
-    mode = fast ? mode : KERNEL_SLOW;
-    mode = alpha == 0.0 ? KERNEL_STICK : mode;
-    const double unbraked = absolute(s.c1) + absolute(s.c2) > no_drive ? KERNEL_FREE : mode;
-    mode = mu_s == 0.0 ? unbraked : mode;
-    mode = k->bn >= 0.0 ? KERNEL_OPEN : mode;
-    const double least = -SEMIDEFINITE_TOLERANCE * size;
-    const int indefinite =
-        (s.s11 < least) | (s.s22 < least) | (lam2_raw < least) | (lam1_raw < least);
-    mode = indefinite ? KERNEL_MATRIX : mode;
-    mode = k->fault != KERNEL_OPEN ? k->fault : mode;
-    const double friction_probe = (mu_s - mu_s) + (mu_d - mu_d);
-    const int bad_friction = (mu_d < 0.0) | (mu_s < mu_d);
-    mode = (bad_friction & (k->fault != KERNEL_RANGE)) ? KERNEL_FRICTION : mode;
-    const int not_finite = (friction_probe != 0.0) | (k->fault == KERNEL_NOT_FINITE);
-    mode = not_finite ? KERNEL_NOT_FINITE : mode;
-    out->mode = mode;
+    const double greatest_c = greater(absolute(s.c1), absolute(s.c2));
+    const double least_c = greatest_c > 0.0 ? FAST_MIN_DRIVE : 0.0;
+    const double closing = mu_s * base_c >= side ? KERNEL_STICK : KERNEL_SLIP;
+    const double usual = (-k->bn >= FAST_MIN) & (greatest_c >= least_c) ? closing : KERNEL_ODD;
+    const double mode = k->bn >= 0.0 ? KERNEL_OPEN : usual;
+    const int sound = (det >= FAST_CONDITION * (trace * trace)) & (trace > 0.0) &
+                      (mu_d >= FAST_MIN) & (mu_s >= mu_d) & (mu_s <= FAST_MAX) &
+                      (k->fault == KERNEL_OPEN);
+    out->mode = sound ? mode : KERNEL_ODD;
 }
 
 /* One Halley step on mu p_n / |p_t| - 1 = N / sqrt q - 1, nearly linear in nu; cubic convergence for
  * the one square root and one division of Newton's. With T = N' q - N q'/2 the first two derivatives are
- * T / q^1.5 and (T' - 3 T q'/(2q)) / q^1.5. Returns 1 once a further step cannot change the result. */
+ * T / q^1.5 and (T' - 3 T q'/(2q)) / q^1.5. A step beyond 0 ends at 0. Returns 1 once a further step
+ * cannot change the result. */
 TRIBO_ALWAYS_INLINE int kernel_halley(const kernel_slip *e, double *nu)
 {
     const double x = *nu;
@@ -256,9 +196,8 @@ TRIBO_ALWAYS_INLINE int kernel_halley(const kernel_slip *e, double *nu)
     const double bend = q * t_slope - 3.0 * half_q_slope * t;
     const double step = excess * q * t / (0.5 * excess * bend - t * t);
     const double moved = x + step;
-    const double back = e->lam2 > 0.0 ? 0.0 : 0.5 * x; /* the left end is as near as may be */
-    *nu = moved > 0.0 ? moved : back;
-    return absolute(step) <= STEP_TOLERANCE * (moved + e->lam2);
+    *nu = moved > 0.0 ? moved : 0.0;
+    return absolute(step) <= STEP_TOLERANCE * (moved + e->least);
 }
 
 /* Impulse of the scaled problem from nu (slip) or nu = 0 (stick). Slip takes p_n from |p_t| = mu p_n, so the
@@ -266,19 +205,17 @@ TRIBO_ALWAYS_INLINE int kernel_halley(const kernel_slip *e, double *nu)
  * outside of the cone is brought back. */
 TRIBO_ALWAYS_INLINE void kernel_finish(const kernel_slip *e, double nu, int slips, double p[3])
 {
-    const double g1 = e->lam1 + nu;
-    const double g2 = e->lam2 + nu;
-    const double p1 = e->c1 / (g1 > 0.0 ? g1 : 1.0);
-    const double p2 = e->c2 / (g2 > 0.0 ? g2 : 1.0);
-    const double length = sqrt((p1 * p1 + p2 * p2) * e->shrink);
-    const double normal =
-        -(e->bn + (e->w1 * p1 + e->w2 * p2) * e->shrink) * e->inverse_a;
+    const double inverse = 1.0 / ((nu + e->trace) * nu + e->det);
+    const double p1 = (e->c1 * nu + e->e1) * inverse;
+    const double p2 = (e->c2 * nu + e->e2) * inverse;
+    const double length = sqrt(p1 * p1 + p2 * p2);
+    const double normal = -(e->bn + (e->n1 * p1 + e->n2 * p2)) * e->inverse_a;
     const double ratio = e->mu_s * normal / length;
     const double capped = ratio < 1.0 ? ratio : 1.0;
-    const double f = (slips ? 1.0 : capped) * e->shrink;
+    const double f = slips ? 1.0 : capped;
     p[0] = slips ? length * e->inverse_mu : normal;
-    p[1] = f * (p1 * e->ex - p2 * e->ey);
-    p[2] = f * (p1 * e->ey + p2 * e->ex);
+    p[1] = f * p1;
+    p[2] = f * p2;
 }
 
 /* The ALGEBRAIC law (contact.h) on a scaled problem whose b is the velocity before the impact. */
@@ -329,19 +266,12 @@ TRIBO_ALWAYS_INLINE void kernel_solve_algebraic(const kernel_problem *k, double 
     out->kappa = kappa;
 
     const double least = -SEMIDEFINITE_TOLERANCE * size;
-    const int indefinite = (s.s11 < least) | (s.s22 < least) | (determinant < least * pivot);
-    double mode = sticks ? KERNEL_STICK : KERNEL_SLIP;
-    mode = k->bn >= 0.0 ? KERNEL_OPEN : mode;
-    mode = indefinite ? KERNEL_MATRIX : mode;
-    mode = k->fault != KERNEL_OPEN ? k->fault : mode;
-    const double probe = (mu_s - mu_s) + (mu_d - mu_d) + (e - e) + (e_t - e_t);
-    const int bad_friction = (mu_d < 0.0) | (mu_s < mu_d);
-    const int bad_restitution = (e < 0.0) | (e > 1.0) | (e_t < -1.0) | (e_t > 1.0);
-    mode = (bad_restitution & (k->fault != KERNEL_RANGE)) ? KERNEL_RESTITUTION : mode;
-    mode = (bad_friction & (k->fault != KERNEL_RANGE)) ? KERNEL_FRICTION : mode;
-    const int not_finite = (probe != 0.0) | (k->fault == KERNEL_NOT_FINITE);
-    mode = not_finite ? KERNEL_NOT_FINITE : mode;
-    out->mode = mode;
+    const double closing = sticks ? KERNEL_STICK : KERNEL_SLIP;
+    const double mode = k->bn >= 0.0 ? KERNEL_OPEN : closing;
+    const int sound = (s.s11 >= least) & (s.s22 >= least) & (determinant >= least * pivot) &
+                      (mu_d >= 0.0) & (mu_s >= mu_d) & (mu_s <= DBL_MAX) & (e >= 0.0) &
+                      (e <= 1.0) & (e_t >= -1.0) & (e_t <= 1.0) & (k->fault == KERNEL_OPEN);
+    out->mode = sound ? mode : KERNEL_ODD;
 }
 
 /* What one body adds to W: x_k . J x_l with x_k = R^T (r x n_k), in body axes. A diagonal J saves

@@ -24,7 +24,7 @@ extern const lanes_table lanes_x86_64_v3;
 extern const lanes_table lanes_x86_64_v4;
 #endif
 
-/* What the lanes and the scalar loop share: one contact's outcome to the arrays that the caller wants. */
+/* One contact's outcome to the arrays that the caller wants. */
 static inline void lanes_give(tribo_status status, uint32_t mode, size_t i, uint32_t *modes,
                               tribo_status *statuses, tribo_status *first)
 {
@@ -40,5 +40,11 @@ static inline void lanes_give(tribo_status status, uint32_t mode, size_t i, uint
 /* Judge the bodies of one contact; ends receives A and B (an immovable body stands in for the world). */
 tribo_status lanes_check_pair(size_t body_count, const tribo_body *bodies, const uint32_t pair[2],
                               const tribo_body *ends[2]);
+
+/* Contact i alone, by the functions of contact.h: the scalar loop, and lanes that want a closer look. */
+void lanes_solve_one(const double *w, const double *b, const double *mu, size_t i, double *p,
+                     uint32_t *modes, tribo_status *statuses, tribo_status *first);
+void lanes_impact_one(const double *w, const double *u, const tribo_material *pairs, size_t i,
+                      double *p, uint32_t *modes, tribo_status *statuses, tribo_status *first);
 
 #endif

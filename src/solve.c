@@ -140,6 +140,11 @@ double solve_by_bisection(const solve_general *problem, double mu_s, double mu_d
     if (problem->bn >= 0.0) {
         return KERNEL_OPEN;
     }
+    if (mu_s == 0.0) {
+        write_impulse(problem, &e, 0.0, 0, p_t, p);
+        return absolute(e.c[0]) + absolute(e.c[1]) > SINGULAR_TOLERANCE * e.drive ? KERNEL_SLIP
+                                                                               : KERNEL_STICK;
+    }
     ++*iterations;
     if (friction_suffices(problem, &e, mu_s, 0.0)) {
         solve_shifted(&e, 0.0, p_t);
@@ -168,46 +173,157 @@ double solve_by_bisection(const solve_general *problem, double mu_s, double mu_d
     return KERNEL_SLIP;
 }
 
-double solve_slowly(const kernel_problem *problem, double mu_s, double mu_d, double p[3], double *nu,
-                     uint32_t *iterations)
+/* ---- spectral path ----------------------------------------------------------------------------- */
+
+/* S in its eigenbasis: what costs a little more than adj(S) and keeps its digits down to the last. */
+typedef struct spectrum {
+    double lam1, lam2; /* lam1 >= lam2 */
+    double x, y;       /* unit eigenvector of lam1 */
+    double c1, c2, w1, w2;
+} spectrum;
+
+static spectrum decompose(const kernel_problem *k, const kernel_schur *s)
+{
+    spectrum e;
+    /* (r + |d|, s12) is along lam1 if d >= 0, across it else: no cancellation. */
+    const double d = 0.5 * (s->s11 - s->s22);
+    const double r = sqrt(d * d + s->s12 * s->s12);
+    const double along = r + absolute(d);
+    const double length = sqrt(along * along + s->s12 * s->s12);
+    const double major = length > 0.0 ? along / length : 1.0;
+    const double minor = length > 0.0 ? s->s12 / length : 0.0;
+    e.x = d >= 0.0 ? major : minor;
+    e.y = d >= 0.0 ? minor : major;
+    e.lam1 = 0.5 * (s->s11 + s->s22) + r;
+    e.lam2 = e.lam1 > 0.0 ? (s->s11 * s->s22 - s->s12 * s->s12) / e.lam1 : 0.0;
+    e.c1 = e.x * s->c1 + e.y * s->c2;
+    e.c2 = e.x * s->c2 - e.y * s->c1;
+    e.w1 = e.x * k->n1 + e.y * k->n2;
+    e.w2 = e.x * k->n2 - e.y * k->n1;
+    return e;
+}
+
+/* The slip equation from its terms in the eigenbasis; returns 1 if sticking is within the cone of mu_s. */
+static int pose_spectral(const kernel_problem *k, const spectrum *e, double mu_s, double mu_d,
+                         kernel_slip *out)
+{
+    const double coupling1 = e->w1 * e->c1;
+    const double coupling2 = e->w2 * e->c2;
+    const double square1 = k->nn * k->nn * (e->c1 * e->c1);
+    const double square2 = k->nn * k->nn * (e->c2 * e->c2);
+    const double base_b = -k->bn * (e->lam1 + e->lam2) - coupling1 - coupling2;
+    const double base_c = -k->bn * (e->lam1 * e->lam2) - coupling1 * e->lam2 - coupling2 * e->lam1;
+    out->A = -mu_d * k->bn;
+    out->B = mu_d * base_b;
+    out->C = mu_d * base_c;
+    out->alpha = square1 + square2;
+    out->beta = square1 * e->lam2 + square2 * e->lam1;
+    out->gamma = square1 * (e->lam2 * e->lam2) + square2 * (e->lam1 * e->lam1);
+    out->least = e->lam2;
+    return mu_s * base_c >= kernel_guess(out);
+}
+
+static void finish_spectral(const kernel_problem *k, const spectrum *e, double nu, int slips,
+                            double mu, double p[3])
+{
+    const double p1 = e->c1 / (e->lam1 + nu);
+    const double p2 = e->c2 / (e->lam2 + nu);
+    const double length = sqrt(p1 * p1 + p2 * p2);
+    const double normal = -(k->bn + (e->w1 * p1 + e->w2 * p2)) / k->nn;
+    const double f = !slips && length > mu * normal ? mu * normal / length : 1.0;
+    p[0] = slips ? length / mu : normal;
+    p[1] = f * (p1 * e->x - p2 * e->y);
+    p[2] = f * (p1 * e->y + p2 * e->x);
+}
+
+static int settle(kernel_slip *e, double *nu, uint32_t *iterations)
+{
+    int settled = 0;
+    *nu = e->nu;
+    for (int step = 0; step < MAX_HALLEY && !settled; step++) {
+        settled = kernel_halley(e, nu);
+        ++*iterations;
+    }
+    return settled;
+}
+
+/* ---- what the branch-free path leaves ----------------------------------------------------------- */
+
+static double find_fault(const kernel_problem *k, double mu_s, double mu_d)
+{
+    if (k->fault == KERNEL_NOT_FINITE || !(mu_s - mu_s == 0.0) || !(mu_d - mu_d == 0.0)) {
+        return KERNEL_NOT_FINITE;
+    }
+    if (k->fault == KERNEL_RANGE) {
+        return KERNEL_RANGE;
+    }
+    return mu_d < 0.0 || mu_s < mu_d ? KERNEL_FRICTION : k->fault;
+}
+
+static int is_usual(const kernel_problem *k, const spectrum *e, double mu_s, double mu_d)
+{
+    return e->lam2 > SINGULAR_TOLERANCE * (k->t11 + k->t22) && mu_d >= FAST_MIN &&
+           mu_s <= FAST_MAX && -k->bn >= FAST_MIN &&
+           greater(absolute(e->c1), absolute(e->c2)) >= FAST_MIN_DRIVE;
+}
+
+static double bisect_symmetric(const kernel_problem *k, double mu_s, double mu_d, double p[3],
+                               double *nu, uint32_t *iterations)
 {
     const solve_general g = {
-        problem->nn,
-        {problem->n1, problem->n2},
-        {problem->n1, problem->n2},
-        {problem->t11, problem->t12, problem->t12, problem->t22},
-        problem->bn,
-        {problem->b1, problem->b2},
+        k->nn, {k->n1, k->n2}, {k->n1, k->n2}, {k->t11, k->t12, k->t12, k->t22}, k->bn, {k->b1, k->b2},
     };
     return solve_by_bisection(&g, mu_s, mu_d, p, nu, iterations);
 }
 
+static double solve_odd(const kernel_problem *k, double mu_s, double mu_d, double p[3], double *nu,
+                        uint32_t *iterations)
+{
+    const double fault = find_fault(k, mu_s, mu_d);
+    if (fault != KERNEL_OPEN) {
+        return fault;
+    }
+    kernel_schur s;
+    kernel_slip slip;
+    kernel_reduce(k, &s);
+    const spectrum e = decompose(k, &s);
+    const double least = -SEMIDEFINITE_TOLERANCE * (k->t11 + k->t22);
+    if (s.s11 < least || s.s22 < least || e.lam2 < least || e.lam1 < least) {
+        return KERNEL_MATRIX;
+    }
+    if (k->bn < 0.0 && is_usual(k, &e, mu_s, mu_d)) {
+        if (pose_spectral(k, &e, mu_s, mu_d, &slip)) {
+            finish_spectral(k, &e, 0.0, 0, mu_s, p);
+            return KERNEL_STICK;
+        }
+        if (settle(&slip, nu, iterations)) {
+            finish_spectral(k, &e, *nu, 1, mu_d, p);
+            return KERNEL_SLIP;
+        }
+    }
+    return bisect_symmetric(k, mu_s, mu_d, p, nu, iterations);
+}
+
 double solve_scaled(const kernel_problem *problem, double mu_s, double mu_d, double p[3],
-                     double *nu, uint32_t *iterations)
+                    double *nu, uint32_t *iterations)
 {
     kernel_slip e;
     kernel_prepare(problem, mu_s, mu_d, &e);
     *nu = 0.0;
     *iterations = 0;
-    double mode = e.mode;
-    if (mode == KERNEL_SLIP) {
-        int settled = 0;
-        *nu = e.nu;
-        while (!settled && *iterations < MAX_HALLEY) {
-            settled = kernel_halley(&e, nu);
-            ++*iterations;
-        }
-        mode = settled ? KERNEL_SLIP : KERNEL_SLOW;
-    }
-    if (mode == KERNEL_SLOW) {
-        return solve_slowly(problem, mu_s, mu_d, p, nu, iterations);
-    }
-    if (mode == KERNEL_STICK || mode == KERNEL_SLIP || mode == KERNEL_FREE) {
-        kernel_finish(&e, *nu, mode == KERNEL_SLIP, p);
-        return mode == KERNEL_FREE ? KERNEL_SLIP : mode;
-    }
     p[0] = p[1] = p[2] = 0.0;
-    return mode;
+    if (e.mode == KERNEL_OPEN) {
+        return KERNEL_OPEN;
+    }
+    if (e.mode == KERNEL_STICK) {
+        kernel_finish(&e, 0.0, 0, p);
+        return KERNEL_STICK;
+    }
+    if (e.mode == KERNEL_SLIP && settle(&e, nu, iterations)) {
+        kernel_finish(&e, *nu, 1, p);
+        return KERNEL_SLIP;
+    }
+    return solve_odd(problem, mu_s, mu_d, p, nu, iterations);
 }
 
 tribo_status status_of_mode(double mode)
@@ -218,11 +334,9 @@ tribo_status status_of_mode(double mode)
         TRIBO_OK,
         TRIBO_ERROR_JAM,
         TRIBO_OK,
-        TRIBO_OK,
         TRIBO_ERROR_NOT_FINITE,
         TRIBO_ERROR_RANGE,
         TRIBO_ERROR_FRICTION,
-        TRIBO_ERROR_RESTITUTION,
         TRIBO_ERROR_CONTACT_MATRIX,
         TRIBO_ERROR_IMMOVABLE,
     };

@@ -17,10 +17,6 @@ typedef struct solve_general {
 double solve_by_bisection(const solve_general *problem, double mu_s, double mu_d, double p[3],
                            double *nu, uint32_t *iterations);
 
-/* The same for a symmetric one. */
-double solve_slowly(const kernel_problem *problem, double mu_s, double mu_d, double p[3], double *nu,
-                     uint32_t *iterations);
-
 /* The exact solve of a scaled problem; returns its mode or fault. */
 double solve_scaled(const kernel_problem *problem, double mu_s, double mu_d, double p[3],
                      double *nu, uint32_t *iterations);

@@ -151,7 +151,8 @@ TRIBO_API tribo_status tribo_contact_apply(tribo_body *a, tribo_body *b, const t
 TRIBO_API uint32_t tribo_cone_contains(const double p[3], double mu, double tolerance);
 
 /** out = the point of K nearest to p. No division by mu; right for all finite p and mu >= 0, also where
- *  squares would overflow. @return TRIBO_ERROR_NULL, TRIBO_ERROR_NOT_FINITE, TRIBO_ERROR_FRICTION. */
+ *  squares would overflow. @return TRIBO_ERROR_NULL, TRIBO_ERROR_NOT_FINITE, TRIBO_ERROR_FRICTION,
+ *  TRIBO_ERROR_RANGE (that point is beyond double). */
 TRIBO_API tribo_status tribo_cone_project(const double p[3], double mu, double out[3]);
 
 /** out = the point of K* nearest to x; x = P_K(x) - P_K*(-x) (Moreau). Statuses as above. */
