@@ -385,12 +385,12 @@ static int taylor_step(const double inverse_inertia[6], double h, spin_state *st
     return 1;
 }
 
-/* Free rotation over one unit of time in as many steps as the series needs. Lengths are tied to |w| as it
- * is at each step, because a slender body may turn much faster later on. */
-static tribo_status turn_freely(const double inverse_inertia[6], spin_state *state)
+/* Free rotation over dt in as many steps as the series needs. Lengths are tied to |w| as it is at each
+ * step, because a slender body may turn much faster later on. */
+static tribo_status turn_freely(const double inverse_inertia[6], double dt, spin_state *state)
 {
     const double spin_norm = tribo_vec3_norm(state->spin);
-    double left = 1.0;
+    double left = dt;
     double shrink = 1.0;
     for (int tries = 0; left > 0.0; tries++) {
         double w[3];
@@ -455,18 +455,20 @@ static tribo_status turn_body(tribo_body *body, double dt)
     memcpy(state.orientation, body->orientation, sizeof state.orientation);
     world_rotation(body, r);
     tribo_mat3_apply_transposed(r, body->angular_velocity, w);
-    tribo_vec3_scale(dt, w, w); /* dt is the unit of time: then all is of order |omega| dt */
+    /* A unit of time near dt: then all is of order |omega| dt. A power of two: then it is exact. */
+    const double per_unit = tribo_pow2_scale(dt);
+    tribo_vec3_scale(1.0 / per_unit, w, w);
     if (!apply_inertia(j, w, state.spin)) {
         return TRIBO_ERROR_INERTIA;
     }
-    const tribo_status status = turn_freely(j, &state);
+    const tribo_status status = turn_freely(j, per_unit * dt, &state);
     if (status != TRIBO_OK) {
         return status;
     }
     memcpy(body->orientation, state.orientation, sizeof state.orientation);
     world_rotation(body, r);
     tribo_sym3_apply(j, state.spin, w);
-    tribo_vec3_scale(1.0 / dt, w, w);
+    tribo_vec3_scale(per_unit, w, w);
     tribo_mat3_apply(r, w, body->angular_velocity);
     return TRIBO_OK;
 }

@@ -170,7 +170,8 @@ TRIBO_ALWAYS_INLINE void kernel_prepare(const kernel_problem *k, double mu_s, do
     const double greatest_c = greater(absolute(s.c1), absolute(s.c2));
     const double least_c = greatest_c > 0.0 ? FAST_MIN_DRIVE : 0.0;
     const double closing = mu_s * base_c >= side ? KERNEL_STICK : KERNEL_SLIP;
-    const double usual = (-k->bn >= FAST_MIN) & (greatest_c >= least_c) ? closing : KERNEL_ODD;
+    const int usual_size = (-k->bn >= FAST_MIN) & (greatest_c >= least_c);
+    const double usual = usual_size ? closing : KERNEL_ODD;
     const double mode = k->bn >= 0.0 ? KERNEL_OPEN : usual;
     const int sound = (det >= FAST_CONDITION * (trace * trace)) & (trace > 0.0) &
                       (mu_d >= FAST_MIN) & (mu_s >= mu_d) & (mu_s <= FAST_MAX) &

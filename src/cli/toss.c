@@ -53,10 +53,6 @@ static const double SCALE = 0.978;
  * I dw = r x m dv gives 0.00113 +- 0.00002. With the 0.00081 that come with the data: 16.6 degrees. */
 static const double INERTIA = 5.0 / 18.0 * 0.37 * 0.1048 * 0.1048;
 
-/* Radius of the corners, m: 0.0043 +- 0.0002 by the heights at which a corner turns round, against the
- * cube's tilt. */
-static const double ROUNDING = 0.004;
-
 /* Velocities in the file are those of the middle of the last step (differences of positions), so that a
  * cube in free flight is already faster by half a step of gravity. */
 static const double LAG = 0.5;
@@ -197,7 +193,7 @@ int toss_predict(const char *file, const toss_options *options, toss_result *res
 {
     toss_run run = {
         .options = options,
-        .scene = {{0.5 * WIDTH, 0.5 * WIDTH, 0.5 * WIDTH}, ROUNDING, GRAVITY, SLOW, options->pair,
+        .scene = {{0.5 * WIDTH, 0.5 * WIDTH, 0.5 * WIDTH}, GRAVITY, SLOW, options->pair,
                   {.struct_size = sizeof(tribo_impact_options), .law = options->law}}};
     const int exit_status = table_read(file, COLUMNS, NAMES, take_state, &run);
 

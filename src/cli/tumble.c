@@ -6,7 +6,7 @@ enum { CORNERS = 8, IMPACTS_AT_MOST = 100 };
  * 0.1 mm in a second. */
 static const double AT_REST = 1e-4;
 
-/* Arms from the centre of mass to the lowest points of the rounded corners. */
+/* Arms from the centre of mass to the corners, world axes. */
 static void corner_arms(const tumble *scene, const tribo_body *box, double arms[CORNERS][3])
 {
     double rotation[9];
@@ -14,12 +14,9 @@ static void corner_arms(const tumble *scene, const tribo_body *box, double arms[
     tribo_quat_to_mat3(box->orientation, rotation);
     for (uint32_t corner = 0; corner < CORNERS; corner++) {
         double local[3];
-        for (uint32_t k = 0; k < 3; k++) {
-            const double inner = scene->half[k] - scene->rounding;
-            local[k] = (corner >> k & 1u) != 0 ? inner : -inner;
-        }
+        for (uint32_t k = 0; k < 3; k++)
+            local[k] = (corner >> k & 1u) != 0 ? scene->half[k] : -scene->half[k];
         tribo_mat3_apply(rotation, local, arms[corner]);
-        arms[corner][2] -= scene->rounding;
     }
 }
 
@@ -55,16 +52,18 @@ static tribo_status resolve_corners(const tumble *scene, double duration, tribo_
         const uint32_t corner = next_corner(box, arms, duration, &velocity);
         if (corner == CORNERS)
             break;
-        const tribo_contact contact = {
-            {0.0, 0.0, 1.0}, {arms[corner][0], arms[corner][1], arms[corner][2]}, {0.0, 0.0, 0.0}};
-        tribo_material pair = scene->pair;
+        tumble_impact impact = {
+            .before = *box,
+            .contact = {{0.0, 0.0, 1.0}, {arms[corner][0], arms[corner][1], arms[corner][2]}, {0.0}},
+            .pair = scene->pair,
+            .info = {.struct_size = sizeof impact.info}};
         if (-velocity < scene->slow)
-            pair.e = 0.0;
-        tribo_collision_info info = {.struct_size = sizeof info};
-        const tribo_body before = *box;
-        status = tribo_contact_resolve(box, NULL, &contact, &pair, &scene->options, &info);
+            impact.pair.e = 0.0;
+        status = tribo_contact_resolve(box, NULL, &impact.contact, &impact.pair, &scene->options,
+                                       &impact.info);
+        impact.after = *box;
         if (status == TRIBO_OK && observer != NULL)
-            observer(user, &before, box, &contact, &info);
+            observer(user, &impact);
     }
     return status;
 }

@@ -11,16 +11,21 @@
 /** The box, the plane and how an impact goes. */
 typedef struct tumble {
     double half[3];      /**< half-extents, m */
-    double rounding;     /**< radius of the rounded corners, m */
     double gravity;      /**< along -z, m/s^2 */
     double slow;         /**< an approach slower than this is plastic, m/s */
     tribo_material pair; /**< coefficients between box and plane */
     tribo_impact_options options;
 } tumble;
 
-/** Called after each impact with the body before and after it. */
-typedef void (*tumble_observer)(void *user, const tribo_body *before, const tribo_body *after,
-                                const tribo_contact *contact, const tribo_collision_info *info);
+/** One impact, as an observer sees it. */
+typedef struct tumble_impact {
+    tribo_body before, after;
+    tribo_contact contact;
+    tribo_material pair; /**< with the restitution that was used */
+    tribo_collision_info info;
+} tumble_impact;
+
+typedef void (*tumble_observer)(void *user, const tumble_impact *impact);
 
 /** Advance `box` by `step` seconds in `parts` equal parts: free flight, and impacts of the corners that
  *  would pass the plane.

@@ -1,0 +1,263 @@
+#define _POSIX_C_SOURCE 200809L
+
+#include "plot.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli.h"
+
+/* Colours that the colour-blind can tell apart (Okabe and Ito), point types, dashes and widths by law. */
+typedef struct plot_style {
+    const char *colour;
+    int point, dash;
+    double width;
+} plot_style;
+
+static const plot_style STYLES[CLI_LAWS] = {
+    {"#0072B2", 7, 1, 3.0},  {"#888888", 3, 1, 1.6},  {"#D55E00", 9, 1, 1.6},  {"#000000", 5, 1, 1.6},
+    {"#009E73", 13, 1, 3.2}, {"#CC79A7", 11, 1, 1.4}, {"#56B4E9", 15, 2, 1.4}, {"#E69F00", 8, 1, 1.6}};
+
+/* ---- gnuplot ---------------------------------------------------------------------------------------------- */
+
+int plot_available(void)
+{
+    return system("command -v gnuplot >/dev/null 2>&1") == 0;
+}
+
+/* gnuplot ends its strings in single quotes; a quote inside is written twice. */
+static void put_quoted(FILE *gnuplot, const char *text)
+{
+    for (; *text != '\0'; text++) {
+        fputc(*text, gnuplot);
+        if (*text == '\'')
+            fputc('\'', gnuplot);
+    }
+}
+
+static FILE *begin_plot(const char *folder, const char *name, int width, int height)
+{
+    FILE *gnuplot = popen("gnuplot", "w");
+
+    if (gnuplot == NULL) {
+        cli_error(CLI_BAD_INPUT, "gnuplot: %s", strerror(errno));
+        return NULL;
+    }
+    fprintf(gnuplot,
+            "set encoding utf8\n"
+            "set terminal svg size %d,%d dynamic enhanced font 'Helvetica,15' background '#ffffff'\n"
+            "set output '",
+            width, height);
+    put_quoted(gnuplot, folder);
+    fprintf(gnuplot, "/%s'\n", name);
+    fputs("set border linecolor '#444444'\n"
+          "set grid linecolor '#dddddd' linetype 1 linewidth 0.7\n"
+          "set tics nomirror textcolor '#222222'\n"
+          "set key noautotitle\n",
+          gnuplot);
+    return gnuplot;
+}
+
+static int end_plot(FILE *gnuplot, const char *name)
+{
+    const int failed = ferror(gnuplot);
+
+    if (pclose(gnuplot) != 0 || failed)
+        return cli_error(CLI_BAD_INPUT, "gnuplot could not draw %s", name);
+    return 0;
+}
+
+/* ---- the throws ---------------------------------------------------------------------------------------------- */
+
+static void put_paths(FILE *gnuplot, const throw_record *records)
+{
+    for (int law = 0; law < CLI_LAWS; law++) {
+        fprintf(gnuplot, "$path%d << END\n", law);
+        for (int frame = 0; frame < THROW_FRAMES; frame += 2) {
+            const double *x = records[law].path[frame].position;
+            fprintf(gnuplot, "%.5g %.5g %.5g\n", x[0], x[1], x[2]);
+        }
+        fputs("END\n", gnuplot);
+    }
+}
+
+/* Outlines are drawn at these intervals, so that the last one shows the box at rest. */
+enum { OUTLINE_FRAMES = 63 };
+
+/* The twelve edges of the box at some times, as pairs of points. */
+static void put_outlines(FILE *gnuplot, const throw_record *record, const double half[3])
+{
+    fputs("$outlines << END\n", gnuplot);
+    for (int frame = 0; frame < THROW_FRAMES; frame += OUTLINE_FRAMES) {
+        const tribo_body *box = &record->path[frame];
+        for (unsigned edge = 0; edge < 24; edge++) {
+            /* Corner `corner` and the one across axis `axis`; each edge once. */
+            const unsigned corner = edge % 8, axis = edge / 8;
+            if ((corner >> axis & 1u) != 0)
+                continue;
+            for (unsigned end = 0; end < 2; end++) {
+                double local[3], x[3];
+                for (unsigned k = 0; k < 3; k++) {
+                    const unsigned bits = corner | end << axis;
+                    local[k] = (bits >> k & 1u) != 0 ? half[k] : -half[k];
+                }
+                tribo_quat_rotate(box->orientation, local, x);
+                tribo_vec3_add(box->position, x, x);
+                fprintf(gnuplot, "%.5g %.5g %.5g\n", x[0], x[1], x[2]);
+            }
+            fputc('\n', gnuplot);
+        }
+    }
+    fputs("END\n", gnuplot);
+}
+
+/* `columns` are the two coordinates that are shown; titles make the legend. */
+static void plot_paths(FILE *gnuplot, const char *columns, int titles)
+{
+    fprintf(gnuplot, "plot $outlines using %s with lines linecolor '#b8cfe0' linewidth 0.8", columns);
+    for (int law = 0; law < CLI_LAWS; law++) {
+        const plot_style *style = &STYLES[law];
+        fprintf(gnuplot,
+                ", $path%d using %s with lines linecolor '%s' dashtype %d linewidth %g title '%s'", law,
+                columns, style->colour, style->dash, style->width, titles ? cli_law_names[law] : "");
+    }
+    fputc('\n', gnuplot);
+}
+
+int plot_throws(const char *folder, const char *name, const throw_record *records)
+{
+    FILE *gnuplot = begin_plot(folder, name, 1100, 880);
+    const tumble scene = throw_scene(TRIBO_LAW_ALGEBRAIC);
+
+    if (gnuplot == NULL)
+        return CLI_BAD_INPUT;
+    put_paths(gnuplot, records);
+    put_outlines(gnuplot, &records[TRIBO_LAW_ALGEBRAIC], scene.half);
+    /* Both panels have 450 pixels to the metre. */
+    fputs("set multiplot\n"
+          "set lmargin at screen 0.08\nset rmargin at screen 0.98\n"
+          "set xrange [-0.15:2.05]\nset xtics 0.2\nset ytics 0.2\n"
+          "set label 2 'One box, thrown with spin: the path of its centre under each impact law'"
+          " at screen 0.53,0.965 center font ',19'\n"
+          "set key at screen 0.53,0.9 center center horizontal maxrows 2 samplen 2.5 width -1\n"
+          "set bmargin at screen 0.50\nset tmargin at screen 0.8528\n"
+          "set ylabel 'height z / m' offset 1\nset yrange [-0.03:0.66]\nset format x ''\n"
+          "set label 1 'from the side' at graph 0.985,0.92 right textcolor '#444444'\n"
+          "set arrow 1 from graph 0,first 0 to graph 1,first 0 nohead linecolor '#444444' linewidth 2\n",
+          gnuplot);
+    plot_paths(gnuplot, "1:3", 1);
+    fputs("unset label 2\nunset arrow 1\nset format x '%g'\nunset key\n"
+          "set label 1 'from above'\n"
+          "set bmargin at screen 0.08\nset tmargin at screen 0.4789\n"
+          "set xlabel 'x / m'\nset ylabel 'y / m' offset 1\nset yrange [-0.16:0.62]\n",
+          gnuplot);
+    plot_paths(gnuplot, "1:2", 0);
+    fputs("unset multiplot\n", gnuplot);
+    return end_plot(gnuplot, name);
+}
+
+/* ---- the cone ------------------------------------------------------------------------------------------------ */
+
+/* Per law: friction against the sliding before the impact and p_n, then friction over p_n along both
+ * tangents turned so that the first is against the sliding. */
+static void put_impulses(FILE *gnuplot, const throw_record *records)
+{
+    for (int law = 0; law < CLI_LAWS; law++) {
+        const double *p = records[law].first.info.impulse;
+        const double *u = records[law].first.info.velocity_before;
+        const double slip[3] = {u[1], u[2], 0.0};
+        const double speed = tribo_vec3_norm(slip);
+        const double against = -(p[1] * u[1] + p[2] * u[2]) / speed;
+        const double across = (p[1] * u[2] - p[2] * u[1]) / speed;
+        fprintf(gnuplot, "$impulse%d << END\n%.6g %.6g %.6g %.6g\nEND\n", law, against, p[0],
+                against / p[0], across / p[0]);
+    }
+}
+
+static void plot_impulses(FILE *gnuplot, const char *columns, int titles)
+{
+    for (int law = 0; law < CLI_LAWS; law++) {
+        const plot_style *style = &STYLES[law];
+        fprintf(gnuplot,
+                ", $impulse%d using %s with points pointtype %d pointsize 1.3 linewidth 2 linecolor '%s'"
+                " title '%s'",
+                law, columns, style->point, style->colour, titles ? cli_law_names[law] : "");
+    }
+    fputc('\n', gnuplot);
+}
+
+int plot_cone(const char *folder, const char *name, const throw_record *records)
+{
+    FILE *gnuplot = begin_plot(folder, name, 1100, 600);
+    const tumble scene = throw_scene(TRIBO_LAW_ALGEBRAIC);
+
+    if (gnuplot == NULL)
+        return CLI_BAD_INPUT;
+    put_impulses(gnuplot, records);
+    fprintf(gnuplot, "mus = %g\nmud = %g\n", scene.pair.mu_s, scene.pair.mu_d);
+    fputs("set multiplot\n"
+          "set label 2 'The impulse of the first impact, and the friction cone'"
+          " at screen 0.52,0.95 center font ',19'\n"
+          "set key at screen 0.52,0.855 center center horizontal maxrows 2 samplen 1 width -1\n"
+          "set bmargin at screen 0.13\nset tmargin at screen 0.76\n"
+          "set lmargin at screen 0.07\nset rmargin at screen 0.52\n"
+          "set xrange [-2.4:3.2]\nset yrange [0:6.5]\nset xtics 1\n"
+          "set xlabel 'friction against the sliding before the impact / N s'\n"
+          "set ylabel 'normal impulse p_n\u00a0/ N s'\n"
+          "set label 1 'friction cone' at 0,5.9 center textcolor '#5b7f9c'\n"
+          "set label 3 '\u03bc_d' at 6.1*mud,6.1 right offset -1,0 textcolor '#5b7f9c'\n"
+          "set label 4 '\u03bc_s' at 6.1*mus,6.1 left offset 1,0 textcolor '#5b7f9c'\n"
+          "set object 1 polygon from 0,0 to 9*mud,9 to -9*mud,9 to 0,0 fillcolor '#e3eef7'"
+          " fillstyle solid noborder behind\n"
+          "plot abs(x) / mud with lines linecolor '#5b7f9c' linewidth 1.2"
+          ", abs(x) / mus with lines linecolor '#5b7f9c' linewidth 1.2 dashtype 2",
+          gnuplot);
+    plot_impulses(gnuplot, "1:2", 1);
+    fputs("unset key\nunset label\nunset object\n"
+          "set lmargin at screen 0.60\nset rmargin at screen 0.985\n"
+          "set xrange [-0.45:0.65]\nset yrange [-0.49:0.49]\nset xtics 0.2\nset ytics 0.2\n"
+          "set xlabel 'p_t\u00a0/ p_n\u00a0 against the sliding before'\n"
+          "set ylabel 'p_t\u00a0/ p_n\u00a0 across it'\n"
+          "set label 1 'the cone from above' at graph 0.97,0.94 right textcolor '#5b7f9c'\n"
+          "set object 1 circle at 0,0 size mud fillcolor '#e3eef7' fillstyle solid border"
+          " linecolor '#5b7f9c' behind\n"
+          "set object 2 circle at 0,0 size mus fillstyle empty border linecolor '#5b7f9c' dashtype 2\n"
+          "plot 1/0",
+          gnuplot);
+    plot_impulses(gnuplot, "3:4", 0);
+    fputs("unset multiplot\n", gnuplot);
+    return end_plot(gnuplot, name);
+}
+
+/* ---- speed and error ------------------------------------------------------------------------------------------- */
+
+int plot_survey(const char *folder, const char *name, const survey_result *results)
+{
+    FILE *gnuplot = begin_plot(folder, name, 900, 560);
+
+    if (gnuplot == NULL)
+        return CLI_BAD_INPUT;
+    for (int law = 0; law < CLI_LAWS; law++)
+        fprintf(gnuplot, "$law%d << END\n%g %g %g\nEND\n", law, results[law].nanoseconds,
+                results[law].median_eta, results[law].greatest_eta);
+    fputs("set logscale xy\nset xrange [10:30000]\nset yrange [1e-17:10]\n"
+          "set format y '10^{%T}'\nset ytics 1e4\nunset mytics\nset mxtics 10\n"
+          "set title 'Speed against error of the impact laws' font ',19'\n"
+          "set xlabel 'time per call / ns'\n"
+          "set ylabel 'distance \u03b7 from Coulomb''s law: median and greatest'\n"
+          "set key outside right center samplen 1\n"
+          "plot 1/0",
+          gnuplot);
+    for (int law = 0; law < CLI_LAWS; law++) {
+        const plot_style *style = &STYLES[law];
+        fprintf(gnuplot,
+                ", $law%d using 1:2:2:3 with yerrorbars pointtype %d pointsize 1.3 linewidth 1.6"
+                " linecolor '%s' title '%s'",
+                law, style->point, style->colour, cli_law_names[law]);
+    }
+    fputc('\n', gnuplot);
+    return end_plot(gnuplot, name);
+}
