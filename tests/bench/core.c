@@ -1,9 +1,9 @@
-/* Nanoseconds per call against error: the core's kernels, scalar and in lanes, and peers that solve the
- * same contacts, all in one run.
+/* Nanoseconds per call against error: the core's kernels, scalar and in lanes, and peers that solve
+ * the same contacts, all in one run.
  *
  * Every kernel works on flat arrays that fit the second-level cache. Before each timed pass the
- * problems are shuffled into an order that has not been seen before, so that branch predictors learn
- * shares and not sequences. Calls are independent of each other: the figure is throughput. Kernels
+ * problems are shuffled into an order that has not been seen before, so that branch predictors
+ * learn shares and not sequences. Calls are independent of each other: the figure is throughput. Kernels
  * take turns; the clock is that of the thread. Nothing is pinned. */
 #define _POSIX_C_SOURCE 200809L
 
@@ -18,6 +18,7 @@
 #include "../support/peers.h"
 #include "../support/problems.h"
 #include "../support/quad.h"
+#include "../support/routh_truth.h"
 
 enum {
     SEED = 20160603,
@@ -30,7 +31,7 @@ enum {
 
 static const double failed = 1e-9; /* eta beyond which a solution counts as none */
 
-/* ---- data ----------------------------------------------------------------------------------------- */
+/* ---- data ------------------------------------------------------------------------------------ */
 
 /* Problems in a fixed order, and what is known of them. */
 typedef struct problem_set {
@@ -43,7 +44,7 @@ typedef struct problem_set {
 
 static problem_collision collisions[PAIRS];
 
-/* The arrays that are timed, in shuffled order: order[i] is the number of the problem at place i. */
+/* The arrays that are timed, shuffled: order[i] is the number of the problem at place i. */
 static size_t order[CONTACTS];
 static double w[6 * CONTACTS];
 static double b[3 * CONTACTS];
@@ -55,7 +56,7 @@ static uint32_t body_pairs[2 * PAIRS];
 static tribo_contact contacts[PAIRS];
 static double frames[9 * PAIRS];
 
-/* ---- rows ----------------------------------------------------------------------------------------- */
+/* ---- rows ------------------------------------------------------------------------------------ */
 
 typedef struct row row;
 struct row {
@@ -106,7 +107,7 @@ static double now(void)
     return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
 }
 
-/* ---- loading: untimed ----------------------------------------------------------------------------- */
+/* ---- loading: untimed ------------------------------------------------------------------------ */
 
 static void shuffle(size_t count, problem_random *random)
 {
@@ -157,7 +158,7 @@ static void load_collisions(void)
     }
 }
 
-/* ---- kernels: timed ------------------------------------------------------------------------------- */
+/* ---- kernels: timed -------------------------------------------------------------------------- */
 
 static void run_solve(const row *self)
 {
@@ -247,7 +248,7 @@ static void run_advance(const row *self)
     }
 }
 
-/* ---- errors --------------------------------------------------------------------------------------- */
+/* ---- errors ---------------------------------------------------------------------------------- */
 
 static void judge_eta(row *self)
 {
@@ -329,6 +330,25 @@ static void judge_impact(row *self)
         }
         errors[count++] = quad_relative_error(3, self->out + 3 * i, truth) /
                           (DBL_EPSILON * self->set->condition[i]);
+    }
+    self->forward_median = median(count, errors, &self->forward_worst);
+    self->unit = "eps cond";
+}
+
+static void judge_routh(row *self)
+{
+    double errors[TRUTHS];
+    size_t count = 0;
+    for (size_t i = 0; i < TRUTHS; i++) {
+        const problem_impact *problem = &self->set->impact[i];
+        double truth[3];
+        quad_real wide[3];
+        if (problem->u[0] < 0.0 &&
+            routh_truth(problem->w, problem->u, &problem->pair, self->variant, truth)) {
+            quad_widen(3, truth, wide);
+            errors[count++] = quad_relative_error(3, self->out + 3 * i, wide) /
+                              (DBL_EPSILON * self->set->condition[i]);
+        }
     }
     self->forward_median = median(count, errors, &self->forward_worst);
     self->unit = "eps cond";
@@ -447,12 +467,7 @@ static void judge_advance(row *self)
     self->unit = "eps T, L";
 }
 
-static void judge_nothing(row *self)
-{
-    (void)self;
-}
-
-/* ---- timing ---------------------------------------------------------------------------------------- */
+/* ---- timing ---------------------------------------------------------------------------------- */
 
 /* Results of the last pass back into the order of the set. */
 static void keep_results(row *self)
@@ -501,7 +516,7 @@ static void finish_rows(void)
     }
 }
 
-/* ---- the list of rows ------------------------------------------------------------------------------ */
+/* ---- the list of rows ------------------------------------------------------------------------ */
 
 static row *add_row(const char *kernel, const problem_set *set, void (*run)(const row *),
                     void (*judge)(row *))
@@ -560,9 +575,9 @@ static void add_laws(const problem_set *set)
         {"LECTURE", TRIBO_LAW_LECTURE, judge_impact},
         {"LECTURE_CLOSING", TRIBO_LAW_LECTURE_CLOSING, judge_impact},
         {"COULOMB", TRIBO_LAW_COULOMB, judge_coulomb},
-        {"ROUTH_NEWTON", TRIBO_LAW_ROUTH_NEWTON, judge_nothing},
-        {"ROUTH_POISSON", TRIBO_LAW_ROUTH_POISSON, judge_nothing},
-        {"ROUTH_STRONGE", TRIBO_LAW_ROUTH_STRONGE, judge_nothing},
+        {"ROUTH_NEWTON", TRIBO_LAW_ROUTH_NEWTON, judge_routh},
+        {"ROUTH_POISSON", TRIBO_LAW_ROUTH_POISSON, judge_routh},
+        {"ROUTH_STRONGE", TRIBO_LAW_ROUTH_STRONGE, judge_routh},
     };
     for (size_t k = 0; k < sizeof laws / sizeof laws[0]; k++) {
         row *law = add_row(laws[k].name, set, run_impact, laws[k].judge);
@@ -607,7 +622,7 @@ static void add_everything(const problem_set *sets)
     }
 }
 
-/* ---- sets ------------------------------------------------------------------------------------------ */
+/* ---- sets ------------------------------------------------------------------------------------ */
 
 static int slips(const problem_local *problem)
 {
@@ -640,7 +655,7 @@ static void make_set(problem_set *out, const char *name, uint32_t set, int slipp
     }
 }
 
-/* ---- output ---------------------------------------------------------------------------------------- */
+/* ---- output ---------------------------------------------------------------------------------- */
 
 /* The exact scalar solve on the same set, or on the first one for kernels without a set. */
 static double exact_ns(const row *self)
