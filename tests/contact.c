@@ -606,6 +606,66 @@ static void test_both_solvers_agree(void **state)
     settle("both solvers, 64 eps cond");
 }
 
+/* An output may be the same array as an input. */
+static void test_outputs_in_place_of_inputs(void **state)
+{
+    static const double n[3] = {0.6, 0, 0.8};
+    static const double f[3] = {1, 2, -30};
+    const tribo_material pair = {0.1, 0.05, 0.5};
+    (void)state;
+    for (size_t i = 0; i < FIXTURES; i++) {
+        const double mu = fixtures[i].mu;
+        double full[9];
+        double p[3];
+        double shared[9];
+        full_matrix(fixtures[i].w, full);
+        for (int how = 0; how < 4; how++) {
+            const double *w = how < 2 ? fixtures[i].w : full;
+            /* the impulse over b, or over the first entries of W */
+            double *b = how % 2 ? (double[3]){fixtures[i].b[0], fixtures[i].b[1], fixtures[i].b[2]}
+                                : shared;
+            const double *matrix = how % 2 ? shared : w;
+            memcpy(shared, how % 2 ? w : fixtures[i].b,
+                   (how % 2 ? how < 2 ? 6 : 9 : 3) * sizeof *w);
+            if (how < 2) {
+                assert_int_equal(tribo_contact_solve(w, fixtures[i].b, mu, mu, p, NULL), TRIBO_OK);
+                assert_int_equal(tribo_contact_solve(matrix, b, mu, mu, shared, NULL), TRIBO_OK);
+            } else {
+                assert_int_equal(tribo_contact_solve_general(w, fixtures[i].b, mu, mu, p, NULL),
+                                 TRIBO_OK);
+                assert_int_equal(tribo_contact_solve_general(matrix, b, mu, mu, shared, NULL),
+                                 TRIBO_OK);
+            }
+            assert_true(same_bits(p, shared, 3));
+        }
+        for (uint32_t law = 0; law <= TRIBO_LAW_LECTURE_CLOSING; law++) {
+            const tribo_impact_options options = {sizeof options, law, 0.0};
+            memcpy(shared, fixtures[i].b, sizeof p);
+            assert_int_equal(tribo_impact(fixtures[i].w, shared, &pair, &options, p, NULL),
+                             TRIBO_OK);
+            assert_int_equal(tribo_impact(fixtures[i].w, shared, &pair, &options, shared, NULL),
+                             TRIBO_OK);
+            assert_true(same_bits(p, shared, 3));
+        }
+    }
+    for (int how = 0; how < 6; how++) {
+        double expected[3];
+        double force[3] = {f[0], f[1], f[2]};
+        double normal[3] = {n[0], n[1], n[2]};
+        double *result = how % 2 ? normal : force;
+        tribo_status (*const function)(const double *, const double *, double *) =
+            how < 2 ? tribo_friction_reaction : tribo_friction_planar;
+        if (how < 4) {
+            assert_int_equal(function(f, n, expected), TRIBO_OK);
+            assert_int_equal(function(force, normal, result), TRIBO_OK);
+        } else {
+            assert_int_equal(tribo_friction_force(f, n, &pair, expected, NULL), TRIBO_OK);
+            assert_int_equal(tribo_friction_force(force, normal, &pair, result, NULL), TRIBO_OK);
+        }
+        assert_true(same_bits(expected, result, 3));
+    }
+}
+
 /* ---- exact solve: infos and bad input -------------------------------------------------------- */
 
 /* An older caller's info is filled as far as it goes. */
@@ -1365,6 +1425,12 @@ static void test_bad_pairs(void **state)
         assert_memory_equal(&a, &good, sizeof a);
         assert_memory_equal(&b, &bad, sizeof b);
     }
+    for (size_t i = 0; i < 18; i++) { /* velocities of A and of B */
+        tribo_body bad = good;
+        memcpy((char *)&bad + 8 * (7 + i / 3), &not_finite[i % 3], 8);
+        REFUSED(TRIBO_ERROR_NOT_FINITE, tribo_contact_velocity(&bad, &good, &contact, axes, out.p));
+        REFUSED(TRIBO_ERROR_NOT_FINITE, tribo_contact_velocity(&good, &bad, &contact, axes, out.p));
+    }
 }
 
 static void test_bad_geometry_calls(void **state)
@@ -1564,6 +1630,7 @@ int main(void)
         TEST(test_frames_do_not_matter),
         TEST(test_unsymmetric_matrices),
         TEST(test_both_solvers_agree),
+        TEST(test_outputs_in_place_of_inputs),
         TEST(test_older_solve_info),
         TEST(test_bad_problems),
         TEST(test_bad_solve_calls),

@@ -512,6 +512,49 @@ static void test_basis_is_continuous(void **state)
     settle("change of the basis over its Lipschitz bound");
 }
 
+/* An output may be the same array as an input. */
+static void test_in_place(void **state)
+{
+    problem_random random;
+    (void)state;
+    problem_random_start(&random, 17, 0, 0);
+    for (int i = 0; i < 1000; i++) {
+        double expected[9];
+        double shared[9];
+        problem_random_direction(&random, 3, shared);
+        assert_int_equal(tribo_vec3_normalize(shared, shared), TRIBO_OK);
+        assert_int_equal(tribo_basis_from_normal(shared, expected), TRIBO_OK);
+        assert_int_equal(tribo_basis_from_normal(shared, shared), TRIBO_OK);
+        assert_true(same_bits(shared, expected, 9));
+        draw(&random, 4, shared);
+        tribo_quat_to_mat3(shared, expected);
+        tribo_quat_to_mat3(shared, shared);
+        assert_true(same_bits(shared, expected, 9));
+        draw(&random, 3, shared);
+        tribo_skew_matrix(shared, expected);
+        tribo_skew_matrix(shared, shared);
+        assert_true(same_bits(shared, expected, 9));
+        draw(&random, 3, shared);
+        assert_int_equal(tribo_quat_from_rotation_vector(shared, expected), TRIBO_OK);
+        assert_int_equal(tribo_quat_from_rotation_vector(shared, shared), TRIBO_OK);
+        assert_true(same_bits(shared, expected, 4));
+        const double r[3] = {1.0, -2.0, 0.5};
+        draw(&random, 6, shared);
+        tribo_skew_congruence(r, shared, expected);
+        tribo_skew_congruence(r, shared, shared);
+        assert_true(same_bits(shared, expected, 6));
+        const double q[4] = {0.5, -0.25, 2.0, 1.0};
+        draw(&random, 4, shared);
+        tribo_quat_multiply(q, shared, expected);
+        tribo_quat_multiply(q, shared, shared);
+        assert_true(same_bits(shared, expected, 4));
+        draw(&random, 4, shared);
+        tribo_quat_multiply(shared, q, expected);
+        tribo_quat_multiply(shared, q, shared);
+        assert_true(same_bits(shared, expected, 4));
+    }
+}
+
 static void test_basis_judges_the_length(void **state)
 {
     double b[9];
@@ -972,6 +1015,7 @@ int main(void)
         TEST(test_basis_near_minus_z),
         TEST(test_basis_is_continuous),
         TEST(test_basis_judges_the_length),
+        TEST(test_in_place),
         TEST(test_quaternions_by_hand),
         TEST(test_quaternions_are_rotations),
         TEST(test_quat_normalize),
