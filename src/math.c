@@ -200,10 +200,8 @@ tribo_status tribo_quat_from_rotation_vector(const double v[3], double out[4])
     tribo_sin_cos(0.5 * angle, &sine, &cosine);
     /* Below 2^-500 the quotient is 1/2 to the last bit, and angle may be too small to divide by. */
     const double factor = angle > 3.0e-151 ? sine / angle : 0.5;
-    out[0] = cosine;
-    out[1] = factor * v[0];
-    out[2] = factor * v[1];
-    out[3] = factor * v[2];
+    const double q[4] = {cosine, factor * v[0], factor * v[1], factor * v[2]};
+    memcpy(out, q, sizeof q);
     return TRIBO_OK;
 }
 

@@ -367,6 +367,13 @@ static int run_turning(routh_problem *c, routh_state *state)
 
 /* ---- the whole impact ------------------------------------------------------------------------ */
 
+/* Slip without friction: the whole impact is one linear piece, whichever way the slip turns. */
+static int run_without_friction(routh_problem *c, routh_state *state)
+{
+    const routh_slope slope = {c->a, {c->w[0], c->w[1]}, {0.0, 0.0}};
+    return run_linearly(c, &slope, -1.0, state);
+}
+
 /* One piece from slip at speed r. Returns as run_linearly. */
 static int run_slip(routh_problem *c, double r, int force_linear, routh_state *state)
 {
@@ -411,8 +418,13 @@ double routh_scaled(const kernel_problem *problem, const tribo_material *pair, u
     while (ended == 0) {
         const double r = length_of(state.ut);
         const int force_linear = info->iterations >= MAX_PIECES;
-        ended = r <= stopped ? run_from_rest(&c, &state, &mode)
-                             : run_slip(&c, r, force_linear, &state);
+        if (r <= stopped) {
+            ended = run_from_rest(&c, &state, &mode);
+        } else if (c.mu_d == 0.0) {
+            ended = run_without_friction(&c, &state);
+        } else {
+            ended = run_slip(&c, r, force_linear, &state);
+        }
         info->iterations++;
     }
     if (ended < 0) {

@@ -18,8 +18,8 @@ typedef struct plot_style {
 } plot_style;
 
 static const plot_style STYLES[CLI_LAWS] = {
-    {"#0072B2", 7, 1, 3.0},  {"#888888", 3, 1, 1.6},  {"#D55E00", 9, 1, 1.6},  {"#000000", 5, 1, 1.6},
-    {"#009E73", 13, 1, 3.2}, {"#CC79A7", 11, 1, 1.4}, {"#56B4E9", 15, 2, 1.4}, {"#E69F00", 8, 1, 1.6}};
+    {"#0072B2", 7, 1, 3.0},  {"#888888", 3, 1, 1.6},  {"#D55E00", 8, 1, 1.6},  {"#000000", 4, 1, 1.6},
+    {"#009E73", 12, 1, 3.2}, {"#CC79A7", 10, 1, 1.6}, {"#56B4E9", 6, 2, 2.2},  {"#E69F00", 2, 1, 1.6}};
 
 /* ---- gnuplot ---------------------------------------------------------------------------------------------- */
 
@@ -72,15 +72,23 @@ static int end_plot(FILE *gnuplot, const char *name)
 
 /* ---- the throws ---------------------------------------------------------------------------------------------- */
 
+static void put_path(FILE *gnuplot, const throw_record *record, unsigned first, unsigned last)
+{
+    for (unsigned frame = first; frame <= last; frame++) {
+        const double *x = record->path[frame].position;
+        fprintf(gnuplot, "%.5g %.5g %.5g\n", x[0], x[1], x[2]);
+    }
+    fputs("END\n", gnuplot);
+}
+
+/* The flight that all have in common, and the paths after it. */
 static void put_paths(FILE *gnuplot, const throw_record *records)
 {
+    fputs("$flight << END\n", gnuplot);
+    put_path(gnuplot, records, 0, records->first_frame);
     for (int law = 0; law < CLI_LAWS; law++) {
         fprintf(gnuplot, "$path%d << END\n", law);
-        for (int frame = 0; frame < THROW_FRAMES; frame += 2) {
-            const double *x = records[law].path[frame].position;
-            fprintf(gnuplot, "%.5g %.5g %.5g\n", x[0], x[1], x[2]);
-        }
-        fputs("END\n", gnuplot);
+        put_path(gnuplot, &records[law], records->first_frame, THROW_FRAMES - 1);
     }
 }
 
@@ -124,12 +132,12 @@ static void plot_paths(FILE *gnuplot, const char *columns, int titles)
                 ", $path%d using %s with lines linecolor '%s' dashtype %d linewidth %g title '%s'", law,
                 columns, style->colour, style->dash, style->width, titles ? cli_law_names[law] : "");
     }
-    fputc('\n', gnuplot);
+    fprintf(gnuplot, ", $flight using %s with lines linecolor '#333333' linewidth 2.5\n", columns);
 }
 
 int plot_throws(const char *folder, const char *name, const throw_record *records)
 {
-    FILE *gnuplot = begin_plot(folder, name, 1100, 880);
+    FILE *gnuplot = begin_plot(folder, name, 1100, 941);
     const tumble scene = throw_scene(TRIBO_LAW_ALGEBRAIC);
 
     if (gnuplot == NULL)
@@ -143,16 +151,16 @@ int plot_throws(const char *folder, const char *name, const throw_record *record
           "set label 2 'One box, thrown with spin: the path of its centre under each impact law'"
           " at screen 0.53,0.965 center font ',19'\n"
           "set key at screen 0.53,0.9 center center horizontal maxrows 2 samplen 2.5 width -1\n"
-          "set bmargin at screen 0.50\nset tmargin at screen 0.8528\n"
-          "set ylabel 'height z / m' offset 1\nset yrange [-0.03:0.66]\nset format x ''\n"
+          "set bmargin at screen 0.5857\nset tmargin at screen 0.8630\n"
+          "set ylabel 'height z / m' offset 1\nset yrange [-0.03:0.55]\nset format x ''\n"
           "set label 1 'from the side' at graph 0.985,0.92 right textcolor '#444444'\n"
           "set arrow 1 from graph 0,first 0 to graph 1,first 0 nohead linecolor '#444444' linewidth 2\n",
           gnuplot);
     plot_paths(gnuplot, "1:3", 1);
     fputs("unset label 2\nunset arrow 1\nset format x '%g'\nunset key\n"
           "set label 1 'from above'\n"
-          "set bmargin at screen 0.08\nset tmargin at screen 0.4789\n"
-          "set xlabel 'x / m'\nset ylabel 'y / m' offset 1\nset yrange [-0.16:0.62]\n",
+          "set bmargin at screen 0.075\nset tmargin at screen 0.5628\n"
+          "set xlabel 'x / m'\nset ylabel 'y / m' offset 1\nset yrange [-0.16:0.86]\n",
           gnuplot);
     plot_paths(gnuplot, "1:2", 0);
     fputs("unset multiplot\n", gnuplot);
@@ -161,8 +169,7 @@ int plot_throws(const char *folder, const char *name, const throw_record *record
 
 /* ---- the cone ------------------------------------------------------------------------------------------------ */
 
-/* Per law: friction against the sliding before the impact and p_n, then friction over p_n along both
- * tangents turned so that the first is against the sliding. */
+/* Per law: |p_t| and p_n, then p_t over p_n against the sliding before the impact and across it. */
 static void put_impulses(FILE *gnuplot, const throw_record *records)
 {
     for (int law = 0; law < CLI_LAWS; law++) {
@@ -170,10 +177,11 @@ static void put_impulses(FILE *gnuplot, const throw_record *records)
         const double *u = records[law].first.info.velocity_before;
         const double slip[3] = {u[1], u[2], 0.0};
         const double speed = tribo_vec3_norm(slip);
+        const double tangent[3] = {p[1], p[2], 0.0};
         const double against = -(p[1] * u[1] + p[2] * u[2]) / speed;
         const double across = (p[1] * u[2] - p[2] * u[1]) / speed;
-        fprintf(gnuplot, "$impulse%d << END\n%.6g %.6g %.6g %.6g\nEND\n", law, against, p[0],
-                against / p[0], across / p[0]);
+        fprintf(gnuplot, "$impulse%d << END\n%.6g %.6g %.6g %.6g\nEND\n", law,
+                tribo_vec3_norm(tangent), p[0], against / p[0], across / p[0]);
     }
 }
 
@@ -200,27 +208,27 @@ int plot_cone(const char *folder, const char *name, const throw_record *records)
     fprintf(gnuplot, "mus = %g\nmud = %g\n", scene.pair.mu_s, scene.pair.mu_d);
     fputs("set multiplot\n"
           "set label 2 'The impulse of the first impact, and the friction cone'"
-          " at screen 0.52,0.95 center font ',19'\n"
-          "set key at screen 0.52,0.855 center center horizontal maxrows 2 samplen 1 width -1\n"
-          "set bmargin at screen 0.13\nset tmargin at screen 0.76\n"
+          " at screen 0.53,0.955 center font ',19'\n"
+          "set bmargin at screen 0.12\nset tmargin at screen 0.79\n"
           "set lmargin at screen 0.07\nset rmargin at screen 0.52\n"
           "set xrange [-2.4:3.2]\nset yrange [0:6.5]\nset xtics 1\n"
-          "set xlabel 'friction against the sliding before the impact / N s'\n"
-          "set ylabel 'normal impulse p_n\u00a0/ N s'\n"
+          "set xlabel 'friction impulse |p\u209c| / N s'\n"
+          "set ylabel 'normal impulse p\u2099 / N s'\n"
           "set label 1 'friction cone' at 0,5.9 center textcolor '#5b7f9c'\n"
-          "set label 3 '\u03bc_d' at 6.1*mud,6.1 right offset -1,0 textcolor '#5b7f9c'\n"
-          "set label 4 '\u03bc_s' at 6.1*mus,6.1 left offset 1,0 textcolor '#5b7f9c'\n"
+          "set label 3 '\u03bc_d' at -4.6*mud,4.6 left offset 1.2,0 textcolor '#5b7f9c'\n"
+          "set label 4 '\u03bc_s' at -4.6*mus,4.6 right offset -1,0 textcolor '#5b7f9c'\n"
           "set object 1 polygon from 0,0 to 9*mud,9 to -9*mud,9 to 0,0 fillcolor '#e3eef7'"
           " fillstyle solid noborder behind\n"
+          "set samples 1001\n"
           "plot abs(x) / mud with lines linecolor '#5b7f9c' linewidth 1.2"
           ", abs(x) / mus with lines linecolor '#5b7f9c' linewidth 1.2 dashtype 2",
           gnuplot);
-    plot_impulses(gnuplot, "1:2", 1);
-    fputs("unset key\nunset label\nunset object\n"
-          "set lmargin at screen 0.60\nset rmargin at screen 0.985\n"
-          "set xrange [-0.45:0.65]\nset yrange [-0.49:0.49]\nset xtics 0.2\nset ytics 0.2\n"
-          "set xlabel 'p_t\u00a0/ p_n\u00a0 against the sliding before'\n"
-          "set ylabel 'p_t\u00a0/ p_n\u00a0 across it'\n"
+    plot_impulses(gnuplot, "1:2", 0);
+    fputs("unset label\nunset object\n"
+          "set lmargin at screen 0.60\nset rmargin at screen 0.98\n"
+          "set xrange [-0.45:0.59]\nset yrange [-0.5:0.5]\nset xtics 0.2\nset ytics 0.2\n"
+          "set xlabel 'p\u209c / p\u2099 against the sliding before the impact'\n"
+          "set ylabel 'p\u209c / p\u2099 across it'\n"
           "set label 1 'the cone from above' at graph 0.97,0.94 right textcolor '#5b7f9c'\n"
           "set object 1 circle at 0,0 size mud fillcolor '#e3eef7' fillstyle solid border"
           " linecolor '#5b7f9c' behind\n"
@@ -228,6 +236,13 @@ int plot_cone(const char *folder, const char *name, const throw_record *records)
           "plot 1/0",
           gnuplot);
     plot_impulses(gnuplot, "3:4", 0);
+    /* A panel of the whole width with nothing but the legend: gnuplot folds it to its panel. */
+    fputs("unset label\nunset object\nunset border\nunset tics\nunset xlabel\nunset ylabel\n"
+          "set lmargin at screen 0.02\nset rmargin at screen 0.98\nset xrange [9:10]\n"
+          "set key at screen 0.53,0.87 center center horizontal maxrows 2 samplen 1 width 1\n"
+          "plot 1/0",
+          gnuplot);
+    plot_impulses(gnuplot, "1:2", 1);
     fputs("unset multiplot\n", gnuplot);
     return end_plot(gnuplot, name);
 }

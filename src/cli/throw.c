@@ -134,6 +134,8 @@ tribo_status throw_box(uint32_t law, throw_record *record)
     memcpy(start, box.orientation, sizeof start);
     for (uint32_t frame = 0; frame < THROW_FRAMES && status == TRIBO_OK; frame++) {
         record->path[frame] = box;
+        if (record->impacts == 0)
+            record->first_frame = frame;
         status = tumble_advance(&scene, 1.0 / THROW_FRAMES_PER_SECOND, 4, &box, observe, &run);
     }
     if (status == TRIBO_OK)

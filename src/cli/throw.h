@@ -20,6 +20,7 @@ typedef struct throw_audit {
 /** One throw. */
 typedef struct throw_record {
     throw_audit first; /**< the first impact: the same velocities before it under each law */
+    unsigned first_frame; /**< the frame before it */
     unsigned long impacts;
     unsigned long gains;   /**< impacts that made energy */
     unsigned long escapes; /**< impacts whose impulse left the friction cone */
