@@ -541,6 +541,13 @@ static void test_body_check_accepts(void **state)
     memset(body.inverse_inertia, 0, sizeof body.inverse_inertia);
     body.inverse_inertia[5] = 3.0;
     assert_int_equal(tribo_body_check(&body), TRIBO_OK);
+    /* eigenvalues 1.5, 1.5, -2e-14: semidefinite to 1e-12; -2e-11 is not */
+    for (int i = 0; i < 2; i++) {
+        const double off = -0.5 - (i ? 1e-11 : 1e-14);
+        const double rows[6] = {1.0, off, off, 1.0, off, 1.0};
+        memcpy(body.inverse_inertia, rows, sizeof rows);
+        assert_int_equal(tribo_body_check(&body), i ? TRIBO_ERROR_INERTIA : TRIBO_OK);
+    }
     memset(body.inverse_inertia, 0, sizeof body.inverse_inertia);
     assert_int_equal(tribo_body_check(&body), TRIBO_OK);
 }

@@ -747,6 +747,12 @@ static const struct {
     {{1, 2, 0, 1, 0, 1}, {-1, 1, 1}, 0.5, 0.5, TRIBO_ERROR_CONTACT_MATRIX, 1},
     {{1, 0, 0, 1, 1.001, 1}, {-1, 1, 1}, 0.5, 0.5, TRIBO_ERROR_CONTACT_MATRIX, 1},
     {{1, -0.6, -0.6, 1, -0.6, 1}, {-1, 1, 1}, 0.5, 0.5, TRIBO_ERROR_CONTACT_MATRIX, 1},
+    {{1, -0.5 - 1e-11, -0.5 - 1e-11, 1, -0.5 - 1e-11, 1},
+     {-1, 1, 1},
+     0.5,
+     0.5,
+     TRIBO_ERROR_CONTACT_MATRIX,
+     1},
     {{1, 1 + 1e-11, 0, 1, 0, 1}, {-1, 1, 1}, 0.5, 0.5, TRIBO_ERROR_CONTACT_MATRIX, 1},
     {{0x1p1001, 0, 0, 1, 0, 1}, {-1, 1, 1}, 0.5, 0.5, TRIBO_ERROR_RANGE, 1},
     {{1, 0, 0, 0x1.8p1000, 0, 1}, {-1, 1, 1}, 0.5, 0.5, TRIBO_ERROR_RANGE, 1},
@@ -1000,6 +1006,10 @@ static void test_bad_cones(void **state)
         tribo_cone_project, tribo_cone_project_dual, tribo_cone_clamp};
     (void)state;
     canary();
+    /* their nearest points are 1.2 times as large */
+    static const double huge[3] = {DBL_MAX, DBL_MAX, DBL_MAX};
+    REFUSED(TRIBO_ERROR_RANGE, tribo_cone_project(huge, 1.0, out.p));
+    REFUSED(TRIBO_ERROR_RANGE, tribo_cone_project_dual(huge, 1.0, out.p));
     for (int n = 0; n < 3; n++) {
         REFUSED(TRIBO_ERROR_NULL, functions[n](NULL, 0.5, out.p));
         REFUSED(TRIBO_ERROR_NULL, functions[n](p, 0.5, NULL));
