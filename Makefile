@@ -321,7 +321,10 @@ format:
 
 format-check:
 	.ci/deps format
-	$(CLANG_FORMAT) --dry-run -Werror $(C_FILES)
+	bad=; for file in $(C_FILES); do \
+	    $(CLANG_FORMAT) $$file | cmp -s - $$file || bad="$$bad $$file"; \
+	done; \
+	test -z "$$bad" || { echo "format-check: make format would change$$bad"; exit 1; }
 
 clean:
 	rm -rf $(BUILD)
