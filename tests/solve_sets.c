@@ -316,6 +316,77 @@ static void solves_at_any_scale(void **state)
     assert_true(worst <= worst_eta);
 }
 
+/* ---- special directions ---------------------------------------------------------------------- */
+
+/* Problems built from their Schur complement S = R diag(1, l) R^T: W_tt = S + w w^T / W_nn and
+ * b_t = w b_n / W_nn - c, with w and c along eigenvectors, zero, or nearly so. */
+static void draw_special(uint64_t index, problem_local *out)
+{
+    problem_random random;
+    double e[2];
+    double along[2][2];
+    problem_random_start(&random, 97, SEED, index);
+    problem_random_direction(&random, 2, e);
+    const double least = index % 8 == 0 ? 1.0 : problem_random_decades(&random, -12.0, 0.0);
+    for (size_t k = 0; k < 2; k++) {
+        const uint64_t kind = problem_random_bits(&random) % 6;
+        const double size = problem_random_decades(&random, -4.0, 1.0);
+        const double off = kind < 2 ? 0.0 : problem_random_decades(&random, -16.0, 0.0);
+        along[k][0] = kind == 5 ? 0.0 : (kind % 2 == 0 ? size : off * size);
+        along[k][1] = kind == 5 ? 0.0 : (kind % 2 == 0 ? off * size : size);
+    }
+    const double nn = problem_random_decades(&random, -3.0, 1.0);
+    const double bn = -problem_random_decades(&random, -6.0, 1.0);
+    const double w1 = e[0] * along[0][0] - e[1] * along[0][1];
+    const double w2 = e[1] * along[0][0] + e[0] * along[0][1];
+    const double c1 = e[0] * along[1][0] - e[1] * along[1][1];
+    const double c2 = e[1] * along[1][0] + e[0] * along[1][1];
+    const double w[6] = {nn,
+                         w1,
+                         w2,
+                         e[0] * e[0] + e[1] * e[1] * least + w1 * w1 / nn,
+                         e[0] * e[1] * (1.0 - least) + w1 * w2 / nn,
+                         e[1] * e[1] + e[0] * e[0] * least + w2 * w2 / nn};
+    memcpy(out->w, w, sizeof out->w);
+    out->b[0] = bn;
+    out->b[1] = w1 * bn / nn - c1;
+    out->b[2] = w2 * bn / nn - c2;
+    out->mu = problem_random_decades(&random, -3.0, 3.0);
+}
+
+static void solves_special_directions(void **state)
+{
+    const uint64_t count = problem_count(400000);
+    uint64_t modes[3] = {0, 0, 0};
+    uint64_t failures = 0;
+    double worst = 0.0;
+    (void)state;
+    for (uint64_t index = 0; index < count; index++) {
+        problem_local problem;
+        tribo_solve_info info = {0};
+        double p[3] = {0.0, 0.0, 0.0};
+        draw_special(index, &problem);
+        if (!(quad_condition_bound(problem.w) <= 1e12)) {
+            continue; /* rounding of W may have left it singular */
+        }
+        const double eta = solve_and_judge(&problem, p, &info);
+        modes[eta < HUGE_VAL ? info.mode : 0]++;
+        failures += eta > solved;
+        worst = fmax(worst, eta);
+        if (!(eta <= worst_eta)) {
+            print_problem("eta too great", problem.w, problem.b, problem.mu);
+            print_message("# index %llu, eta %g\n", (unsigned long long)index, eta);
+        }
+    }
+    print_message(
+        "# %llu with c or w_t along an eigenvector of S or zero: %llu failures, worst eta "
+        "%.2g, stick %llu slip %llu\n",
+        (unsigned long long)count, (unsigned long long)failures, worst,
+        (unsigned long long)modes[TRIBO_MODE_STICK], (unsigned long long)modes[TRIBO_MODE_SLIP]);
+    assert_int_equal(failures, 0);
+    assert_true(worst <= worst_eta);
+}
+
 /* ---- equal bits under powers of two ---------------------------------------------------------- */
 
 static int same_bits(double a, double b)
@@ -532,6 +603,7 @@ int main(void)
         SET_TEST("U", PROBLEM_U),
         cmocka_unit_test(agrees_with_the_twin),
         cmocka_unit_test(solves_at_any_scale),
+        cmocka_unit_test(solves_special_directions),
         cmocka_unit_test(powers_of_two_scale_the_bits),
         cmocka_unit_test(static_and_dynamic_friction_differ),
     };

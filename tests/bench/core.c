@@ -3,8 +3,8 @@
  *
  * Every kernel works on flat arrays that fit the second-level cache. Before each timed pass the
  * problems are shuffled into an order that has not been seen before, so that branch predictors
- * learn shares and not sequences. Calls are independent of each other: the figure is throughput. Kernels
- * take turns; the clock is that of the thread. Nothing is pinned. */
+ * learn shares and not sequences. Calls are independent of each other: the figure is throughput.
+ * Kernels take turns; the clock is that of the thread. Nothing is pinned. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <tribo/tribo.h>

@@ -9,8 +9,8 @@
 #include <tribo/contact.h>
 
 /** Impulse of TRIBO_LAW_ROUTH_... for an approach (u_n < 0) that slips at first and a W that is
- *  well conditioned. Returns 0, and leaves p as it is, where the path is not simple: slip that stops
- *  without sticking, or a second compression. */
+ *  well conditioned. Returns 0, and leaves p as it is, where the path is not simple: slip that
+ *  stops without sticking, or a second compression. */
 int routh_truth(const double w[6], const double u[3], const tribo_material *pair, uint32_t law,
                 double p[3]);
 
