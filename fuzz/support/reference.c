@@ -218,7 +218,7 @@ double reference_scale(const double w[6], const double b[3], const double p[3], 
 static void project(long double mu, long double x[3])
 {
     const long double t = sqrtl(x[1] * x[1] + x[2] * x[2]);
-    if (t <= mu * x[0]) {
+    if (x[0] >= 0.0L && t <= mu * x[0]) {
         return;
     }
     if (mu * t + x[0] <= 0.0L) {
@@ -267,25 +267,23 @@ int reference_unique(const double w[6], double mu)
     return mu * hypot(w[1], w[2]) / w[0] < 0.9 * 2.0 * sqrt(ratio) / (1.0 + ratio);
 }
 
-/* L = I w, by Cholesky; I is the inverse of a positive definite matrix. */
-static int inertia_times(const double inverse_inertia[6], const long double w[3],
-                         long double out[3])
+int reference_solve(const double s[6], const long double x[3], long double out[3])
 {
-    const long double a = sqrtl((long double)(inverse_inertia[0]));
-    const long double b = (long double)(inverse_inertia[1]) / a;
-    const long double c = (long double)(inverse_inertia[2]) / a;
-    const long double d = sqrtl((long double)(inverse_inertia[3]) - b * b);
-    const long double e = ((long double)(inverse_inertia[4]) - b * c) / d;
-    const long double f = sqrtl((long double)(inverse_inertia[5]) - c * c - e * e);
+    const long double a = sqrtl((long double)s[0]);
+    const long double b = (long double)s[1] / a;
+    const long double c = (long double)s[2] / a;
+    const long double d = sqrtl((long double)s[3] - b * b);
+    const long double e = ((long double)s[4] - b * c) / d;
+    const long double f = sqrtl((long double)s[5] - c * c - e * e);
     if (!(a > 0.0L && d > 0.0L && f > 0.0L)) {
         return 0;
     }
-    const long double x = w[0] / a;
-    const long double y = (w[1] - b * x) / d;
-    const long double z = (w[2] - c * x - e * y) / f;
-    out[2] = z / f;
-    out[1] = (y - e * out[2]) / d;
-    out[0] = (x - b * out[1] - c * out[2]) / a;
+    const long double y0 = x[0] / a;
+    const long double y1 = (x[1] - b * y0) / d;
+    const long double y2 = (x[2] - c * y0 - e * y1) / f;
+    out[2] = y2 / f;
+    out[1] = (y1 - e * out[2]) / d;
+    out[0] = (y0 - b * out[1] - c * out[2]) / a;
     return 1;
 }
 
@@ -300,7 +298,7 @@ int reference_spin(const tribo_body *body, double out[3], double *energy)
             w[i] += r[3 * k + i] * (long double)(body->angular_velocity[k]);
         }
     }
-    if (!inertia_times(body->inverse_inertia, w, l)) {
+    if (!reference_solve(body->inverse_inertia, w, l)) {
         return 0;
     }
     *energy = (double)(0.5L * (w[0] * l[0] + w[1] * l[1] + w[2] * l[2]));

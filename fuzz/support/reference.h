@@ -36,6 +36,9 @@ double reference_eta(const double w[6], const double b[3], double mu, const doub
 /** 1 if Kantorovich's bound shows that the solution is unique, with room to spare. */
 int reference_unique(const double w[6], double mu);
 
+/** out = s^-1 x by Cholesky. 0 if s is not positive definite. */
+int reference_solve(const double s[6], const long double x[3], long double out[3]);
+
 /** Spin angular momentum in world axes and energy of rotation. 0 if the inverse inertia is not
  *  positive definite. */
 int reference_spin(const tribo_body *body, double out[3], double *energy);
