@@ -217,7 +217,7 @@ deps:
 demo:
 	.ci/deps demo
 	$(MAKE) --no-print-directory all
-	$(BUILD)/tribo demo
+	$(BUILD)/tribo demo --out $(BUILD)/demo
 
 # What a test may ask of its environment. The paths are absolute; the working folder is this one.
 TEST_ENV = CMOCKA_MESSAGE_OUTPUT=TAP BUILD='$(abspath $(BUILD))' SRCDIR='$(CURDIR)' CC='$(CC)' \
