@@ -1045,6 +1045,42 @@ static void test_without_friction(void **state)
     settle("frictionless limit of each law, 16 eps");
 }
 
+/* u_n >= 0: nothing happens, u_n = 0 of either sign included. */
+static void test_separating_contacts_are_left_alone(void **state)
+{
+    static const double normals[] = {0.0, -0.0, 5e-324, 1e-300, 1.0, 1e300};
+    (void)state;
+    for (size_t i = 0; i < LAWS * sizeof normals / sizeof normals[0]; i++) {
+        const double u[3] = {normals[i / LAWS], 3, -4};
+        double p[3];
+        const tribo_impact_info info = impact((uint32_t)(i % LAWS), rod, u, 0.5, 0.3, 0.5, p);
+        assert_true(p[0] == 0.0 && p[1] == 0.0 && p[2] == 0.0);
+        assert_true(info.velocity[0] == u[0] && info.velocity[1] == 3 && info.velocity[2] == -4);
+        assert_true(info.energy == 0.0 && info.kappa == 0.0 && info.compression == 0.0);
+        assert_int_equal(info.mode, OPEN);
+    }
+}
+
+/* Without friction a contact that does not slide sticks, and any other slips. */
+static void test_modes_without_friction(void **state)
+{
+    static const struct {
+        double u[3];
+        uint32_t mode;
+    } rows[] = {
+        {{-1, 0, 0}, STICK},
+        {{-1, -0.0, 0}, STICK},
+        {{-1, 1e-300, 0}, SLIP},
+        {{-1, 0, -2}, SLIP},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        double p[3];
+        assert_int_equal(impact(FRICTIONLESS, rod, rows[i].u, 0.5, 0.3, 0.5, p).mode, rows[i].mode);
+        assert_true(fabs(p[0] - 0.6) <= 4 * EPS && p[1] == 0.0 && p[2] == 0.0);
+    }
+}
+
 /* Plane data stays plane: what is zero in t2 is zero afterwards, to the bit. */
 static void test_plane_impacts_stay_plane(void **state)
 {
@@ -1507,6 +1543,8 @@ int main(void)
         TEST(test_collide_is_its_parts),
         TEST(test_swapped_bodies),
         TEST(test_without_friction),
+        TEST(test_separating_contacts_are_left_alone),
+        TEST(test_modes_without_friction),
         TEST(test_plane_impacts_stay_plane),
         TEST(test_heavy_body_is_a_wall),
         TEST(test_semidefinite_matrices),
