@@ -127,7 +127,8 @@ static tribo_status solve_scalar(size_t count, const double *w, const double *b,
 void lanes_impact_one(const double *w, const double *u, const tribo_material *pairs, size_t i,
                       double *p, uint32_t *modes, tribo_status *statuses, tribo_status *first)
 {
-    tribo_impact_info info = {.struct_size = sizeof info};
+    /* No more than the mode is asked for: whether u+ and the energy are within double is not judged. */
+    tribo_impact_info info = {.struct_size = offsetof(tribo_impact_info, velocity)};
     const tribo_status status =
         tribo_impact(w + 6 * i, u + 3 * i, pairs + i, NULL, p + 3 * i, &info);
     lanes_give(status, info.mode, i, modes, statuses, first);

@@ -261,7 +261,8 @@ tribo_status tribo_contact_solve(const double w[6], const double b[3], double mu
     double impulse[3];
     const tribo_status status = solve_unscaled(w, b, mu_s, mu_d, impulse, &full);
     if (status == TRIBO_OK) {
-        full.nu /= power_of_two(scale_exponent(greatest_diagonal(w[0], w[3], w[5])));
+        full.nu = lesser(full.nu / power_of_two(scale_exponent(greatest_diagonal(w[0], w[3], w[5]))),
+                         DBL_MAX);
         memcpy(p, impulse, sizeof impulse);
         give_info(info, &full, info ? info->struct_size : 0);
     }
@@ -335,7 +336,7 @@ tribo_status tribo_contact_solve_general(const double w[9], const double b[3], d
         return TRIBO_ERROR_RANGE;
     }
     full.mode = (uint32_t)mode;
-    full.nu /= s;
+    full.nu = lesser(full.nu / s, DBL_MAX);
     memcpy(p, impulse, sizeof impulse);
     give_info(info, &full, info ? info->struct_size : 0);
     return TRIBO_OK;
@@ -373,6 +374,13 @@ static tribo_status check_coefficients(const tribo_material *pair, double e_t)
     return e_t >= -1.0 && e_t <= 1.0 ? TRIBO_OK : TRIBO_ERROR_RESTITUTION;
 }
 
+/* u+ and the energy, beyond double where they are nobody's concern but the caller's who asks for them. */
+static tribo_status check_outcome(const tribo_impact_info *full)
+{
+    return all_finite(full->velocity, 3) && all_finite(&full->energy, 1) ? TRIBO_OK
+                                                                         : TRIBO_ERROR_RANGE;
+}
+
 static tribo_status solve_impact(const double w[6], const double u[3], const tribo_material *pair,
                                  const tribo_impact_options *options, double p[3],
                                  tribo_impact_info *full)
@@ -403,9 +411,7 @@ static tribo_status solve_impact(const double w[6], const double u[3], const tri
     full->velocity[2] = u[2] + (w[2] * p[0] + w[4] * p[1] + w[5] * p[2]);
     full->energy = 0.5 * (p[0] * (u[0] + full->velocity[0]) + p[1] * (u[1] + full->velocity[1]) +
                           p[2] * (u[2] + full->velocity[2]));
-    const int finite = all_finite(p, 3) && all_finite(full->velocity, 3) &&
-                       all_finite(&full->energy, 1);
-    return finite ? TRIBO_OK : TRIBO_ERROR_RANGE;
+    return all_finite(p, 3) ? TRIBO_OK : TRIBO_ERROR_RANGE;
 }
 
 tribo_status tribo_impact(const double w[6], const double u[3], const tribo_material *pair,
@@ -423,6 +429,9 @@ tribo_status tribo_impact(const double w[6], const double u[3], const tribo_mate
     tribo_status status = read_options(options, &known);
     if (status == TRIBO_OK) {
         status = solve_impact(w, u, pair, &known, impulse, &full);
+    }
+    if (status == TRIBO_OK && info && info->struct_size > offsetof(tribo_impact_info, velocity)) {
+        status = check_outcome(&full);
     }
     if (status == TRIBO_OK) {
         memcpy(p, impulse, sizeof impulse);
@@ -472,6 +481,9 @@ tribo_status tribo_contact_resolve(tribo_body *a, tribo_body *b, const tribo_con
     }
     relative_velocity(a, b, contact, full.frame, full.velocity_before);
     status = solve_impact(full.matrix, full.velocity_before, pair, &known, full.impulse, &impact);
+    if (status == TRIBO_OK) {
+        status = check_outcome(&impact);
+    }
     if (status != TRIBO_OK) {
         return status;
     }

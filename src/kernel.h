@@ -269,7 +269,7 @@ TRIBO_ALWAYS_INLINE void kernel_solve_algebraic(const kernel_problem *k, double 
     const double least = -SEMIDEFINITE_TOLERANCE * size;
     const double closing = sticks ? KERNEL_STICK : KERNEL_SLIP;
     const double mode = k->bn >= 0.0 ? KERNEL_OPEN : closing;
-    const int sound = (s.s11 >= least) & (s.s22 >= least) & (determinant >= least * pivot) &
+    const int sound = (s.s11 >= least) & (s.s22 >= least) & (determinant >= least * greater(pivot, nothing)) &
                       (mu_d >= 0.0) & (mu_s >= mu_d) & (mu_s <= DBL_MAX) & (e >= 0.0) &
                       (e <= 1.0) & (e_t >= -1.0) & (e_t <= 1.0) & (k->fault == KERNEL_OPEN);
     out->mode = sound ? mode : KERNEL_ODD;

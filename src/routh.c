@@ -321,25 +321,23 @@ static double series_step(const routh_problem *c, const routh_series *t)
     return h;
 }
 
-/* tau in (0, h] at which the phase ends, known to end within. */
+/* tau in (0, h] at which the phase ends, known to end within; bisection on bit patterns. */
 static double event_time(const routh_problem *c, const routh_series *t, double h)
 {
-    double low = 0.0;
-    double high = h;
-    for (int i = 0; i < 80 && low < high; i++) {
-        const double middle = 0.5 * (low + high);
-        const double gap = phase_gap(c, sum_series(t->un, middle), sum_series(t->pn, middle),
-                                     sum_series(t->work, middle));
-        if (middle <= low || middle >= high) {
-            break;
-        }
+    uint64_t low = 0;
+    uint64_t high = bits_of(h);
+    while (high - low > 1) {
+        const uint64_t middle = low + (high - low) / 2;
+        const double tau = double_of(middle);
+        const double gap = phase_gap(c, sum_series(t->un, tau), sum_series(t->pn, tau),
+                                     sum_series(t->work, tau));
         if (gap >= 0.0) {
             high = middle;
         } else {
             low = middle;
         }
     }
-    return high;
+    return double_of(high);
 }
 
 /* One step of turning slip. Returns 1 at the end of the impact. */

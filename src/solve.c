@@ -57,12 +57,12 @@ static int friction_suffices(const solve_general *g, const slide *e, double mu, 
     return (1.0 + nu) * normal_impulse(g, e, p) * mu * e->scale >= sqrt(x * x + y * y);
 }
 
-/* Bisection on the bit pattern halves the number of doubles between the ends: at most 64 steps from 0 to
- * the greatest double, to the last bit. */
-static double bisect(const solve_general *g, const slide *e, double mu, double high,
+/* Bisection on the bit pattern halves the number of doubles between the ends: at most 64 steps, to the last
+ * bit. */
+static double bisect(const solve_general *g, const slide *e, double mu, double low, double high,
                      uint32_t *iterations)
 {
-    uint64_t low_bits = 0;
+    uint64_t low_bits = bits_of(low);
     uint64_t high_bits = bits_of(high);
     while (high_bits - low_bits > 1) {
         const uint64_t middle = low_bits + (high_bits - low_bits) / 2;
@@ -162,11 +162,14 @@ double solve_by_bisection(const solve_general *problem, double mu_s, double mu_d
         *nu = high;
         return KERNEL_SLIP;
     }
-    *nu = bisect(problem, &e, mu_d, high, iterations);
-    /* A root that runs into 0 is none: friction suffices however small nu is, but S cannot stick. */
-    const int runs_away = *nu < 1e-30 * e.size && !solve_shifted(&e, 0.0, p_t);
-    if (runs_away || !solve_shifted(&e, *nu, p_t)) {
-        *nu = 0.0;
+    /* Where S is singular, a root below its rounding is none: friction suffices however small nu is, but
+     * nothing can stick. */
+    const double low = solve_shifted(&e, 0.0, p_t) ? 0.0 : 8.0 * SINGULAR_TOLERANCE * e.size;
+    if (low > 0.0 && friction_suffices(problem, &e, mu_d, low)) {
+        return KERNEL_JAM;
+    }
+    *nu = bisect(problem, &e, mu_d, low, high, iterations);
+    if (!solve_shifted(&e, *nu, p_t)) {
         return KERNEL_JAM;
     }
     write_impulse(problem, &e, mu_d, 1, p_t, p);

@@ -65,7 +65,7 @@ TRIBO_API tribo_status tribo_batch_solve(uint32_t isa, size_t count, const doubl
                                          const double *mu, double *p, uint32_t *modes,
                                          tribo_status *statuses);
 
-/** ALGEBRAIC impact of `count` contacts: tribo_impact with default options on each.
+/** ALGEBRAIC impact of `count` contacts: tribo_impact with default options, and without info, on each.
  *  @param u     width 3: relative velocities before
  *  @param pairs count coefficients of pairs
  *  @param p     width 3: receives impulses

@@ -91,7 +91,7 @@ typedef struct tribo_solve_info {
     uint32_t mode;       /**< OPEN, STICK or SLIP */
     uint32_t iterations; /**< Newton and bisection steps on the slip equation */
     uint32_t reserved;
-    double nu;           /**< slip: u_t = -nu p_t, 1/kg; else 0 */
+    double nu;           /**< slip: u_t = -nu p_t, 1/kg, DBL_MAX if beyond double; else 0 */
 } tribo_solve_info;
 
 /** A whole collision; struct_size as above. */
@@ -207,7 +207,7 @@ TRIBO_API tribo_status tribo_contact_solve_general(const double w[9], const doub
  *  @param p       receives the impulse, N s
  *  @param info    may be null
  *  @return TRIBO_ERROR_NULL, TRIBO_ERROR_STRUCT_SIZE, TRIBO_ERROR_OPTION, TRIBO_ERROR_NOT_FINITE,
- *          TRIBO_ERROR_RANGE, TRIBO_ERROR_FRICTION, TRIBO_ERROR_RESTITUTION,
+ *          TRIBO_ERROR_RANGE (p, or what info asks for, is beyond double), TRIBO_ERROR_FRICTION, TRIBO_ERROR_RESTITUTION,
  *          TRIBO_ERROR_CONTACT_MATRIX, TRIBO_ERROR_IMMOVABLE, TRIBO_ERROR_JAM. FRICTIONLESS needs, and
  *          judges, no more of W than its size and diagonal. A W that is only semidefinite is accepted by FRICTIONLESS and ALGEBRAIC always, by LECTURE never
  *          (TRIBO_ERROR_CONTACT_MATRIX), by COULOMB and ROUTH where a solution exists. */

@@ -8,9 +8,9 @@
 #include <string.h>
 
 /* In the order of TRIBO_LAW_... */
-const char *const cli_law_names[CLI_LAWS] = {
-    "algebraic",    "frictionless",  "lecture",       "coulomb",
-    "routh-newton", "routh-poisson", "routh-stronge", "lecture-closing"};
+const char *const cli_law_names[CLI_LAWS] = {"algebraic",     "frictionless",   "lecture",
+                                             "coulomb",       "routh-newton",   "routh-poisson",
+                                             "routh-stronge", "lecture-closing"};
 
 int cli_error(int exit_status, const char *format, ...)
 {
@@ -24,7 +24,8 @@ int cli_error(int exit_status, const char *format, ...)
     return exit_status;
 }
 
-int cli_error_at(const char *file, unsigned long line, unsigned long column, const char *format, ...)
+int cli_error_at(const char *file, unsigned long line, unsigned long column, const char *format,
+                 ...)
 {
     va_list arguments;
 

@@ -24,7 +24,8 @@ int cli_demo(int argc, char **argv);
 int cli_error(int exit_status, const char *format, ...);
 
 /** The same with the place in front: "tribo: FILE:LINE:COLUMN: "; returns CLI_BAD_INPUT. */
-int cli_error_at(const char *file, unsigned long line, unsigned long column, const char *format, ...);
+int cli_error_at(const char *file, unsigned long line, unsigned long column, const char *format,
+                 ...);
 
 /** Names of the impact laws as users write them. */
 enum { CLI_LAWS = 8 };
@@ -39,7 +40,8 @@ int cli_number(const char *option, const char *text, double *number);
 /** "open", "stick", "slip" or "jam". */
 const char *cli_mode_name(uint32_t mode);
 
-/** End standard output; `exit_status`, or CLI_BAD_INPUT after a message if something was not written. */
+/** End standard output; `exit_status`, or CLI_BAD_INPUT after a message if something was not
+ * written. */
 int cli_finish(int exit_status);
 
 #endif

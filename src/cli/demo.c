@@ -16,21 +16,19 @@
 static const char USAGE[] =
     "usage: tribo demo [--out DIR]\n"
     "\n"
-    "Show what each impact law keeps, breaks and costs: a box thrown with spin onto a floor, and the speed\n"
+    "Show what each impact law keeps, breaks and costs: a box thrown with spin onto a floor, and "
+    "the speed\n"
     "of the laws against their distance from Coulomb's law.\n"
     "\n"
-    "  --out DIR  folder for the pictures throw.svg, cone.svg and laws.svg, made if need be (.); they are\n"
+    "  --out DIR  folder for the pictures throw.svg, cone.svg and laws.svg, made if need be (.); "
+    "they are\n"
     "             drawn by gnuplot, and left out if it is not installed\n"
     "\n"
-    "If the environment variable TRIBO_DATA names a folder with cube_tosses/tosses.csv and fc/*.dat, the\n"
+    "If the environment variable TRIBO_DATA names a folder with cube_tosses/tosses.csv and "
+    "fc/*.dat, the\n"
     "measured tosses are predicted and the recorded contact problems solved as well.\n";
 
-static const char *kept(int yes)
-{
-    return yes ? "kept" : "BROKEN";
-}
-
-/* ---- tables ------------------------------------------------------------------------------------------------ */
+/* ---- tables ---------------------------------------------------------------------------------- */
 
 static void print_first_impacts(const throw_record *records)
 {
@@ -39,7 +37,8 @@ static void print_first_impacts(const throw_record *records)
 
     printf("A box of %g x %g x %g m, thrown with spin onto a floor: mu_s %g, mu_d %g, e %g.\n"
            "Its first impact, u = (%.3f, %.3f, %.3f) m/s, under each law\n\n"
-           "  law              mode     p_n  |p_t|/p_n    u_n+    energy  momentum  ang.mom.      eta\n"
+           "  law              mode     p_n  |p_t|/p_n    u_n+    energy  momentum  ang.mom.      "
+           "eta\n"
            "                            N s                m/s         %%  change    change\n",
            2.0 * scene.half[0], 2.0 * scene.half[1], 2.0 * scene.half[2], scene.pair.mu_s,
            scene.pair.mu_d, scene.pair.e, u[0], u[1], u[2]);
@@ -47,47 +46,61 @@ static void print_first_impacts(const throw_record *records)
         const throw_audit *audit = &records[law].first;
         const double *p = audit->info.impulse;
         const double tangent[3] = {p[1], p[2], 0.0};
-        printf("  %-15s  %-5s  %5.3f  %9.4f  %6.3f  %+8.2f  %8.1e  %8.1e  %7.1e\n", cli_law_names[law],
-               cli_mode_name(audit->info.mode), p[0], tribo_vec3_norm(tangent) / p[0],
-               audit->info.velocity_after[0], 100.0 * audit->change.energy, audit->change.linear,
-               audit->change.angular, audit->measures.eta);
+        printf("  %-15s  %-5s  %5.3f  %9.4f  %6.3f  %+8.2f  %8.1e  %8.1e  %7.1e\n",
+               cli_law_names[law], cli_mode_name(audit->info.mode), p[0],
+               tribo_vec3_norm(tangent) / p[0], audit->info.velocity_after[0],
+               100.0 * audit->change.energy, audit->change.linear, audit->change.angular,
+               audit->measures.eta);
     }
+}
+
+/* What a throw broke, of cone, energy and Newton's restitution. */
+static const char *broken(const throw_record *record)
+{
+    static const char *const names[] = {"nothing", "cone",    "energy",    "cone, energy",
+                                        "e",       "cone, e", "energy, e", "cone, energy, e"};
+
+    return names[(record->escapes > 0) + 2 * (record->gains > 0) + 4 * (record->rebounds > 0)];
 }
 
 static void print_throws(const throw_record *records)
 {
-    printf("\nThe whole throw, %g s: what all impacts kept and broke, floor included\n\n"
-           "  law              impacts  energy: J left   gains  greatest  outside  greatest"
-           "    momentum   cone    energy\n"
-           "                              of %5.3f              J      of cone  / |p|\n",
-           (double)THROW_FRAMES / THROW_FRAMES_PER_SECOND, records->energy_before);
+    printf(
+        "\nThe whole throw, %g s: what the impacts kept and broke, floor included\n\n"
+        "  law              impacts   energy  gains  greatest  outside   excess  momentum  broken\n"
+        "                             left/J                 J  of cone    / |p|    change\n",
+        (double)THROW_FRAMES / THROW_FRAMES_PER_SECOND);
     for (int law = 0; law < CLI_LAWS; law++) {
         const throw_record *r = &records[law];
         const double momentum =
             r->greatest_linear > r->greatest_angular ? r->greatest_linear : r->greatest_angular;
-        printf("  %-15s  %7lu  %14.3f  %6lu  %8.2g  %7lu  %8.2g  %10.1e  %-6s  %-6s\n",
-               cli_law_names[law], r->impacts, r->energy_after, r->gains, r->greatest_gain, r->escapes,
-               r->greatest_escape, momentum, kept(r->escapes == 0), kept(r->gains == 0));
+        printf("  %-15s  %7lu  %7.3f  %5lu  %8.2g  %7lu  %7.2g  %8.1e  %s\n", cli_law_names[law],
+               r->impacts, r->energy_after, r->gains, r->greatest_gain, r->escapes,
+               r->greatest_escape, momentum, broken(r));
     }
+    printf("  Energy is kinetic and potential, %.3f J at the start. e: Newton's restitution.\n",
+           records->energy_before);
 }
 
 static void print_survey(const survey_result *results)
 {
-    printf("\nSpeed against error: %d contacts at corners of random boxes, random mu and e\n\n"
-           "  law              time per call   eta: median  greatest   outside   energy   Newton's\n"
-           "                              ns                           of cone   gained   e broken\n",
-           (int)SURVEY_CONTACTS);
+    printf(
+        "\nSpeed against error: %d contacts at corners of random boxes, random mu and e\n\n"
+        "  law              time per call   eta: median  greatest   outside   energy   Newton's\n"
+        "                              ns                           of cone   gained   e broken\n",
+        (int)SURVEY_CONTACTS);
     for (int law = 0; law < CLI_LAWS; law++) {
         const survey_result *r = &results[law];
         printf("  %-15s  %13.1f  %12.1e  %8.1e  %6.2f %%  %5.2f %%  %7.2f %%\n", cli_law_names[law],
                r->nanoseconds, r->median_eta, r->greatest_eta, 100.0 * r->escapes, 100.0 * r->gains,
                100.0 * r->rebounds);
     }
-    puts("  eta: distance from Coulomb's law with Newton's restitution (0: exact). Poisson's and Stronge's\n"
+    puts("  eta: distance from Coulomb's law with Newton's restitution (0: exact). Poisson's and "
+         "Stronge's\n"
          "  restitution is not Newton's where friction turns or stops the sliding.");
 }
 
-/* ---- the command -------------------------------------------------------------------------------------------- */
+/* ---- the command ----------------------------------------------------------------------------- */
 
 static int draw(const char *folder, const throw_record *records, const survey_result *results)
 {
@@ -130,14 +143,16 @@ static int run_demo(const char *folder)
     if (exit_status == 0 && data != NULL && data[0] != '\0')
         exit_status = measured_run(data);
     else if (exit_status == 0)
-        puts("\nTRIBO_DATA is not set: the measured tosses and the recorded problems are left out.");
+        puts(
+            "\nTRIBO_DATA is not set: the measured tosses and the recorded problems are left out.");
     return exit_status;
 }
 
 int cli_demo(int argc, char **argv)
 {
-    static const struct option options[] = {
-        {"out", required_argument, NULL, 'o'}, {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0}};
+    static const struct option options[] = {{"out", required_argument, NULL, 'o'},
+                                            {"help", no_argument, NULL, 'h'},
+                                            {NULL, 0, NULL, 0}};
     const char *folder = ".";
     int option;
 
@@ -154,7 +169,8 @@ int cli_demo(int argc, char **argv)
         }
     }
     if (optind != argc)
-        return cli_error(CLI_USAGE, "demo: \"%s\" is too much; see tribo demo --help", argv[optind]);
+        return cli_error(CLI_USAGE, "demo: \"%s\" is too much; see tribo demo --help",
+                         argv[optind]);
     signal(SIGPIPE, SIG_IGN); /* gnuplot may end early: that is reported by its exit status */
     return run_demo(folder);
 }

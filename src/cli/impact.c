@@ -8,22 +8,26 @@
 static const char USAGE[] =
     "usage: tribo impact FILE.csv --law NAME\n"
     "\n"
-    "Find the impulse of each impact in FILE.csv (-: standard input). Columns, in any order; others are\n"
+    "Find the impulse of each impact in FILE.csv (-: standard input). Columns, in any order; "
+    "others are\n"
     "ignored:\n"
     "  wnn,wn1,wn2,w11,w12,w22  contact matrix, 1/kg, in the axes normal, tangent 1, tangent 2\n"
     "  un,u1,u2                 relative velocity before, m/s; un < 0 is approach\n"
     "  mu_s,mu_d,e              static and dynamic friction, restitution\n"
     "Written are, row by row, 17 digits each:\n"
-    "  mode                     open, stick or slip; or the status that says why there is no result\n"
+    "  mode                     open, stick or slip; or the status that says why there is no "
+    "result\n"
     "  pn,p1,p2                 impulse, N s\n"
     "  vn,v1,v2                 relative velocity after, m/s\n"
     "  energy                   change of kinetic energy, J\n"
-    "  eta                      distance from Coulomb's law with Newton's restitution, without unit\n"
+    "  eta                      distance from Coulomb's law with Newton's restitution, without "
+    "unit\n"
     "\n"
     "  --law NAME  frictionless, lecture, lecture-closing, algebraic, coulomb, routh-newton,\n"
     "              routh-poisson or routh-stronge\n"
     "\n"
-    "A row that the library refuses has a status in `mode` and empty fields, a message on standard error,\n"
+    "A row that the library refuses has a status in `mode` and empty fields, a message on standard "
+    "error,\n"
     "and makes the exit status 1 in the end. Malformed CSV ends the run at its line.\n";
 
 enum { UN = 6, MU_S = 9, RESTITUTION = 11, COLUMNS = 12 };
@@ -68,8 +72,8 @@ static int take_impact(void *user, const table_row *row)
     run->rows++;
     if (status == TRIBO_OK) {
         const double *v = info.velocity;
-        printf("%s,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g\n", cli_mode_name(info.mode), p[0],
-               p[1], p[2], v[0], v[1], v[2], info.energy, measures.eta);
+        printf("%s,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g\n", cli_mode_name(info.mode),
+               p[0], p[1], p[2], v[0], v[1], v[2], info.energy, measures.eta);
     } else {
         const size_t blamed = blamed_column(status, value);
         run->refused++;
@@ -87,14 +91,16 @@ static int run_impacts(const char *file, uint32_t law)
     puts("mode,pn,p1,p2,vn,v1,v2,energy,eta");
     const int exit_status = table_read(file, COLUMNS, NAMES, take_impact, &run);
     if (exit_status == 0 && run.refused > 0)
-        return cli_error(CLI_BAD_INPUT, "%s: %lu of %lu rows have no result", file, run.refused, run.rows);
+        return cli_error(CLI_BAD_INPUT, "%s: %lu of %lu rows have no result", file, run.refused,
+                         run.rows);
     return exit_status;
 }
 
 int cli_impact(int argc, char **argv)
 {
-    static const struct option options[] = {
-        {"law", required_argument, NULL, 'l'}, {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0}};
+    static const struct option options[] = {{"law", required_argument, NULL, 'l'},
+                                            {"help", no_argument, NULL, 'h'},
+                                            {NULL, 0, NULL, 0}};
     uint32_t law = CLI_LAWS;
     int option;
 

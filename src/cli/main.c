@@ -16,7 +16,8 @@ static const char USAGE[] =
     "  tribo COMMAND --help        about one command\n"
     "  tribo --version             version of the library\n"
     "\n"
-    "FILE.csv may be - for standard input. Exit status: 0; 1 if the input is bad, 2 if the command line is.\n";
+    "FILE.csv may be - for standard input. Exit status: 0; 1 if the input is bad, 2 if the command "
+    "line is.\n";
 
 typedef struct cli_command {
     const char *name;

@@ -10,14 +10,14 @@
 enum { PATH_AT_MOST = 4096 };
 
 /* Those of the collection that have one contact. */
-static const char *const PROBLEMS[] = {
-    "FrictionContact3D_1c", "FrictionContact3D_RR_1c", "Rover11035",
-    "Rover11211",           "GFC3D_Example0",          "GFC3D_Example0_SBM",
-    "GFC3D_Example00",      "GFC3D_Example00_badly_scaled", "GFC3D_Example1",
-    "GFC3D_OneContact"};
+static const char *const PROBLEMS[] = {"FrictionContact3D_1c", "FrictionContact3D_RR_1c",
+                                       "Rover11035",           "Rover11211",
+                                       "GFC3D_Example0",       "GFC3D_Example0_SBM",
+                                       "GFC3D_Example00",      "GFC3D_Example00_badly_scaled",
+                                       "GFC3D_Example1",       "GFC3D_OneContact"};
 
-static int make_path(char path[PATH_AT_MOST], const char *data, const char *folder, const char *name,
-                     const char *extension)
+static int make_path(char path[PATH_AT_MOST], const char *data, const char *folder,
+                     const char *name, const char *extension)
 {
     const int length = snprintf(path, PATH_AT_MOST, "%s/%s/%s%s", data, folder, name, extension);
 
@@ -79,8 +79,10 @@ int measured_run(const char *data)
 
     if (exit_status != 0)
         return exit_status;
-    puts("\nRecorded problems of one contact, solved exactly; the error is the natural map over |q|\n\n"
-         "  problem                       W          mode            pn          p1          p2      error");
+    puts("\nRecorded problems of one contact, solved exactly; the error is the natural map over "
+         "|q|\n\n"
+         "  problem                       W          mode            pn          p1          p2    "
+         "  error");
     for (size_t i = 0; i < sizeof PROBLEMS / sizeof PROBLEMS[0] && exit_status == 0; i++)
         exit_status = run_problem(data, PROBLEMS[i]);
     return exit_status;

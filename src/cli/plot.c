@@ -10,18 +10,20 @@
 
 #include "cli.h"
 
-/* Colours that the colour-blind can tell apart (Okabe and Ito), point types, dashes and widths by law. */
+/* Colours that the colour-blind can tell apart (Okabe and Ito), point types, dashes and widths by
+ * law. */
 typedef struct plot_style {
     const char *colour;
     int point, dash;
     double width;
 } plot_style;
 
-static const plot_style STYLES[CLI_LAWS] = {
-    {"#0072B2", 7, 1, 3.0},  {"#888888", 3, 1, 1.6},  {"#D55E00", 8, 1, 1.6},  {"#000000", 4, 1, 1.6},
-    {"#009E73", 12, 1, 3.2}, {"#CC79A7", 10, 1, 1.6}, {"#56B4E9", 6, 2, 2.2},  {"#E69F00", 2, 1, 1.6}};
+static const plot_style STYLES[CLI_LAWS] = {{"#0072B2", 7, 1, 3.0},  {"#888888", 3, 1, 1.6},
+                                            {"#D55E00", 8, 1, 1.6},  {"#000000", 4, 1, 1.6},
+                                            {"#009E73", 12, 1, 3.2}, {"#CC79A7", 10, 1, 1.6},
+                                            {"#56B4E9", 6, 2, 2.2},  {"#E69F00", 2, 1, 1.6}};
 
-/* ---- gnuplot ---------------------------------------------------------------------------------------------- */
+/* ---- gnuplot --------------------------------------------------------------------------------- */
 
 int plot_available(void)
 {
@@ -46,11 +48,12 @@ static FILE *begin_plot(const char *folder, const char *name, int width, int hei
         cli_error(CLI_BAD_INPUT, "gnuplot: %s", strerror(errno));
         return NULL;
     }
-    fprintf(gnuplot,
-            "set encoding utf8\n"
-            "set terminal svg size %d,%d dynamic enhanced font 'Helvetica,15' background '#ffffff'\n"
-            "set output '",
-            width, height);
+    fprintf(
+        gnuplot,
+        "set encoding utf8\n"
+        "set terminal svg size %d,%d dynamic enhanced font 'Helvetica,15' background '#ffffff'\n"
+        "set output '",
+        width, height);
     put_quoted(gnuplot, folder);
     fprintf(gnuplot, "/%s'\n", name);
     fputs("set border linecolor '#444444'\n"
@@ -70,7 +73,7 @@ static int end_plot(FILE *gnuplot, const char *name)
     return 0;
 }
 
-/* ---- the throws ---------------------------------------------------------------------------------------------- */
+/* ---- the throws ------------------------------------------------------------------------------ */
 
 static void put_path(FILE *gnuplot, const throw_record *record, unsigned first, unsigned last)
 {
@@ -125,12 +128,14 @@ static void put_outlines(FILE *gnuplot, const throw_record *record, const double
 /* `columns` are the two coordinates that are shown; titles make the legend. */
 static void plot_paths(FILE *gnuplot, const char *columns, int titles)
 {
-    fprintf(gnuplot, "plot $outlines using %s with lines linecolor '#b8cfe0' linewidth 0.8", columns);
+    fprintf(gnuplot, "plot $outlines using %s with lines linecolor '#b8cfe0' linewidth 0.8",
+            columns);
     for (int law = 0; law < CLI_LAWS; law++) {
         const plot_style *style = &STYLES[law];
         fprintf(gnuplot,
-                ", $path%d using %s with lines linecolor '%s' dashtype %d linewidth %g title '%s'", law,
-                columns, style->colour, style->dash, style->width, titles ? cli_law_names[law] : "");
+                ", $path%d using %s with lines linecolor '%s' dashtype %d linewidth %g title '%s'",
+                law, columns, style->colour, style->dash, style->width,
+                titles ? cli_law_names[law] : "");
     }
     fprintf(gnuplot, ", $flight using %s with lines linecolor '#333333' linewidth 2.5\n", columns);
 }
@@ -154,7 +159,8 @@ int plot_throws(const char *folder, const char *name, const throw_record *record
           "set bmargin at screen 0.5857\nset tmargin at screen 0.8630\n"
           "set ylabel 'height z / m' offset 1\nset yrange [-0.03:0.55]\nset format x ''\n"
           "set label 1 'from the side' at graph 0.985,0.92 right textcolor '#444444'\n"
-          "set arrow 1 from graph 0,first 0 to graph 1,first 0 nohead linecolor '#444444' linewidth 2\n",
+          "set arrow 1 from graph 0,first 0 to graph 1,first 0 nohead linecolor '#444444' "
+          "linewidth 2\n",
           gnuplot);
     plot_paths(gnuplot, "1:3", 1);
     fputs("unset label 2\nunset arrow 1\nset format x '%g'\nunset key\n"
@@ -167,7 +173,7 @@ int plot_throws(const char *folder, const char *name, const throw_record *record
     return end_plot(gnuplot, name);
 }
 
-/* ---- the cone ------------------------------------------------------------------------------------------------ */
+/* ---- the cone -------------------------------------------------------------------------------- */
 
 /* Per law: |p_t| and p_n, then p_t over p_n against the sliding before the impact and across it. */
 static void put_impulses(FILE *gnuplot, const throw_record *records)
@@ -190,7 +196,8 @@ static void plot_impulses(FILE *gnuplot, const char *columns, int titles)
     for (int law = 0; law < CLI_LAWS; law++) {
         const plot_style *style = &STYLES[law];
         fprintf(gnuplot,
-                ", $impulse%d using %s with points pointtype %d pointsize 1.3 linewidth 2 linecolor '%s'"
+                ", $impulse%d using %s with points pointtype %d pointsize 1.3 linewidth 2 "
+                "linecolor '%s'"
                 " title '%s'",
                 law, columns, style->point, style->colour, titles ? cli_law_names[law] : "");
     }
@@ -232,7 +239,8 @@ int plot_cone(const char *folder, const char *name, const throw_record *records)
           "set label 1 'the cone from above' at graph 0.97,0.94 right textcolor '#5b7f9c'\n"
           "set object 1 circle at 0,0 size mud fillcolor '#e3eef7' fillstyle solid border"
           " linecolor '#5b7f9c' behind\n"
-          "set object 2 circle at 0,0 size mus fillstyle empty border linecolor '#5b7f9c' dashtype 2\n"
+          "set object 2 circle at 0,0 size mus fillstyle empty border linecolor '#5b7f9c' dashtype "
+          "2\n"
           "plot 1/0",
           gnuplot);
     plot_impulses(gnuplot, "3:4", 0);
@@ -247,7 +255,7 @@ int plot_cone(const char *folder, const char *name, const throw_record *records)
     return end_plot(gnuplot, name);
 }
 
-/* ---- speed and error ------------------------------------------------------------------------------------------- */
+/* ---- speed and error ------------------------------------------------------------------------- */
 
 int plot_survey(const char *folder, const char *name, const survey_result *results)
 {

@@ -11,8 +11,8 @@
 /** 1 if gnuplot can be run. */
 int plot_available(void);
 
-/** The paths of the thrown box under each law, from the side and from above. Each of these writes `name`
- *  into `folder` and returns 0, or an exit status after a message. */
+/** The paths of the thrown box under each law, from the side and from above. Each of these writes
+ * `name` into `folder` and returns 0, or an exit status after a message. */
 int plot_throws(const char *folder, const char *name, const throw_record *records);
 
 /** The impulses of the first impact under each law, in the friction cone. */

@@ -11,7 +11,7 @@
 
 enum { DENSE = 0, BLOCKS = 1, SIZE_AT_MOST = 256, TOKEN_AT_MOST = 63 };
 
-/* ---- numbers between white space ----------------------------------------------------------------------- */
+/* ---- numbers between white space ------------------------------------------------------------- */
 
 typedef struct scanner {
     FILE *stream;
@@ -84,7 +84,7 @@ static void next_numbers(scanner *s, size_t count, double *numbers)
         numbers[i] = next_number(s);
 }
 
-/* ---- matrices, kept column by column as they are stored -------------------------------------------------- */
+/* ---- matrices, kept column by column as they are stored -------------------------------------- */
 
 typedef struct matrix {
     size_t rows, columns;
@@ -99,10 +99,12 @@ static void read_dense(scanner *s, matrix *out)
         next_numbers(s, out->rows * out->columns, out->entries);
 }
 
-/* Block sparse rows: ends of block rows and columns, row pointers, block columns, then the blocks. */
+/* Block sparse rows: ends of block rows and columns, row pointers, block columns, then the blocks.
+ */
 static void read_blocks(scanner *s, matrix *out)
 {
-    size_t ends[2][SIZE_AT_MOST + 1] = {{0}, {0}}, pointer[SIZE_AT_MOST + 1] = {0}, place[SIZE_AT_MOST] = {0};
+    size_t ends[2][SIZE_AT_MOST + 1] = {{0}, {0}}, pointer[SIZE_AT_MOST + 1] = {0},
+                                  place[SIZE_AT_MOST] = {0};
     const size_t count = next_count(s, SIZE_AT_MOST);
     const size_t block_rows = next_count(s, out->rows), block_columns = next_count(s, out->columns);
 
@@ -118,7 +120,8 @@ static void read_blocks(scanner *s, matrix *out)
     for (size_t i = 0; i < places && s->exit_status == 0; i++)
         place[i] = next_count(s, block_columns > 0 ? block_columns - 1 : 0);
     for (size_t row = 0; row < block_rows && s->exit_status == 0; row++) {
-        for (size_t block = pointer[row]; block < pointer[row + 1] && s->exit_status == 0; block++) {
+        for (size_t block = pointer[row]; block < pointer[row + 1] && s->exit_status == 0;
+             block++) {
             if (next_count(s, count) != block)
                 complain(s, "the blocks are not in order");
             for (size_t j = ends[1][place[block]]; j < ends[1][place[block] + 1]; j++) {
@@ -146,8 +149,8 @@ static matrix read_matrix(scanner *s)
     return out;
 }
 
-/* Replace each of the `count` columns of `x` by M^-1 times it: elimination with partial pivoting, M is
- * used up. Returns 0 if M is singular. */
+/* Replace each of the `count` columns of `x` by M^-1 times it: elimination with partial pivoting, M
+ * is used up. Returns 0 if M is singular. */
 static int divide(matrix *m, size_t count, double *x)
 {
     const size_t n = m->rows;
@@ -183,7 +186,7 @@ static int divide(matrix *m, size_t count, double *x)
     return 1;
 }
 
-/* ---- the two forms ----------------------------------------------------------------------------------------- */
+/* ---- the two forms --------------------------------------------------------------------------- */
 
 static void read_local(scanner *s, problem *out)
 {
@@ -254,7 +257,7 @@ int problem_read(const char *file, int global, problem *out)
     return s.exit_status;
 }
 
-/* ---- solving ------------------------------------------------------------------------------------------------- */
+/* ---- solving --------------------------------------------------------------------------------- */
 
 static double natural_map(const problem *given, const double p[3])
 {

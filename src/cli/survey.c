@@ -6,10 +6,11 @@
 #include <stdlib.h>
 #include <time.h>
 
-/* Beyond this an impulse is outside of the cone, energy gained, restitution broken; without unit. */
+/* Beyond this an impulse is outside of the cone, energy gained, restitution broken; without unit.
+ */
 static const double ROUNDING = 1e-9;
 
-/* ---- contacts ------------------------------------------------------------------------------------------ */
+/* ---- contacts -------------------------------------------------------------------------------- */
 
 /* xorshift64*, G. Marsaglia and S. Vigna: the same contacts at each run. */
 static double uniform(uint64_t *state, double low, double high)
@@ -73,7 +74,7 @@ tribo_status survey_make(survey_contacts *contacts)
     return status;
 }
 
-/* ---- speed ------------------------------------------------------------------------------------------------- */
+/* ---- speed ----------------------------------------------------------------------------------- */
 
 static double seconds_now(void)
 {
@@ -94,7 +95,8 @@ static double run_once(const survey_contacts *contacts, const tribo_impact_optio
     return seconds_now() - start;
 }
 
-static double nanoseconds_per_call(const survey_contacts *contacts, const tribo_impact_options *options)
+static double nanoseconds_per_call(const survey_contacts *contacts,
+                                   const tribo_impact_options *options)
 {
     double least = run_once(contacts, options);
 
@@ -103,7 +105,7 @@ static double nanoseconds_per_call(const survey_contacts *contacts, const tribo_
     return least * 1e9 / SURVEY_CONTACTS;
 }
 
-/* ---- errors ------------------------------------------------------------------------------------------------ */
+/* ---- errors ---------------------------------------------------------------------------------- */
 
 static int compare(const void *a, const void *b)
 {
@@ -112,8 +114,8 @@ static int compare(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static tribo_status judge(const survey_contacts *contacts, size_t i, const tribo_impact_options *options,
-                          double *eta, survey_result *sums)
+static tribo_status judge(const survey_contacts *contacts, size_t i,
+                          const tribo_impact_options *options, double *eta, survey_result *sums)
 {
     const tribo_material *pair = &contacts->pairs[i];
     const double *u = contacts->u[i];

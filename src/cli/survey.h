@@ -1,7 +1,7 @@
 /**
  * @file survey.h
- * The impact laws on the same random contacts: what a call costs, and how far its answer is from Coulomb's
- * law.
+ * The impact laws on the same random contacts: what a call costs, and how far its answer is from
+ * Coulomb's law.
  */
 #ifndef TRIBO_CLI_SURVEY_H
 #define TRIBO_CLI_SURVEY_H

@@ -23,8 +23,8 @@ typedef struct reader {
     unsigned long line, column;             /* of the byte that is being read */
     unsigned long field_line, field_column; /* of the first byte of the present field */
     size_t field_bytes;
-    size_t field; /* index of the present field in its row */
-    size_t width; /* fields in the header; 0: not read yet */
+    size_t field;                                /* index of the present field in its row */
+    size_t width;                                /* fields in the header; 0: not read yet */
     unsigned char targets[TABLE_FIELDS_AT_MOST]; /* by field: which of the names, or IGNORED */
     int exit_status;
 } reader;
@@ -54,12 +54,13 @@ static size_t find_name(const reader *r, const char *text, size_t length)
 {
     size_t i = 0;
 
-    while (i < r->count && (strlen(r->names[i]) != length || memcmp(r->names[i], text, length) != 0))
+    while (i < r->count &&
+           (strlen(r->names[i]) != length || memcmp(r->names[i], text, length) != 0))
         i++;
     return i;
 }
 
-/* ---- what libcsv reports ------------------------------------------------------------------------------- */
+/* ---- what libcsv reports --------------------------------------------------------------------- */
 
 static void take_name(reader *r, const char *text, size_t length)
 {
@@ -121,8 +122,8 @@ static void end_header(reader *r)
     r->width = r->field;
     for (size_t i = 0; i < r->count && r->exit_status == 0; i++) {
         if (memchr(r->targets, (int)i, r->width) == NULL)
-            r->exit_status = cli_error_at(r->row.file, r->row.line, 1, "there is no column \"%s\"",
-                                          r->names[i]);
+            r->exit_status =
+                cli_error_at(r->row.file, r->row.line, 1, "there is no column \"%s\"", r->names[i]);
     }
 }
 
@@ -146,7 +147,7 @@ static void on_row(int terminator, void *user)
     r->field_bytes = 0;
 }
 
-/* ---- bytes ----------------------------------------------------------------------------------------------- */
+/* ---- bytes ----------------------------------------------------------------------------------- */
 
 /* One byte at a time, so that its place is known whenever libcsv reports something. */
 static void feed(reader *r, const char *byte)
@@ -157,10 +158,10 @@ static void feed(reader *r, const char *byte)
     }
     r->field_bytes++;
     if (csv_parse(&r->parser, byte, 1, on_field, on_row, r) != 1 && r->exit_status == 0)
-        r->exit_status = cli_error_at(r->row.file, r->line, r->column, "%s",
-                                      csv_error(&r->parser) == CSV_EPARSE
-                                          ? "a quotation mark where none may be"
-                                          : csv_strerror(csv_error(&r->parser)));
+        r->exit_status =
+            cli_error_at(r->row.file, r->line, r->column, "%s",
+                         csv_error(&r->parser) == CSV_EPARSE ? "a quotation mark where none may be"
+                                                             : csv_strerror(csv_error(&r->parser)));
     if (r->field_bytes > TABLE_BYTES_AT_MOST && r->exit_status == 0)
         r->exit_status = cli_error_at(r->row.file, r->field_line, r->field_column,
                                       "a field of more than %d bytes", (int)TABLE_BYTES_AT_MOST);
@@ -184,7 +185,8 @@ static void read_bytes(reader *r, FILE *stream)
     size_t length;
 
     while (r->exit_status == 0 && (length = fread(bytes, 1, sizeof bytes, stream)) > 0) {
-        for (size_t i = first ? mark_length(bytes, length) : 0; i < length && r->exit_status == 0; i++)
+        for (size_t i = first ? mark_length(bytes, length) : 0; i < length && r->exit_status == 0;
+             i++)
             feed(r, bytes + i);
         first = 0;
     }
@@ -194,17 +196,18 @@ static void read_bytes(reader *r, FILE *stream)
 
 static void end_of_file(reader *r)
 {
-    if (r->exit_status == 0 && csv_fini(&r->parser, on_field, on_row, r) != 0 && r->exit_status == 0)
+    if (r->exit_status == 0 && csv_fini(&r->parser, on_field, on_row, r) != 0 &&
+        r->exit_status == 0)
         r->exit_status = cli_error_at(r->row.file, r->field_line, r->field_column,
                                       "a quotation mark is not closed");
     if (r->exit_status == 0 && r->width == 0)
         r->exit_status = cli_error_at(r->row.file, 1, 1, "there is no header");
 }
 
-int table_read(const char *file, size_t count, const char *const *names, table_function take, void *user)
+int table_read(const char *file, size_t count, const char *const *names, table_function take,
+               void *user)
 {
-    const unsigned char options =
-        CSV_STRICT | CSV_STRICT_FINI | CSV_APPEND_NULL | CSV_REPALL_NL;
+    const unsigned char options = CSV_STRICT | CSV_STRICT_FINI | CSV_APPEND_NULL | CSV_REPALL_NL;
     const int standard = strcmp(file, "-") == 0;
     reader r = {.count = count, .names = names, .take = take, .user = user, .line = 1, .column = 1};
     FILE *stream = standard ? stdin : fopen(file, "rb");

@@ -3,7 +3,9 @@
 #include <math.h>
 #include <string.h>
 
-const double throw_rounding = 1e-12;
+/* Beyond this an impulse is outside of the cone, energy gained, restitution broken; without unit.
+ */
+static const double ROUNDING = 1e-12;
 
 static const double DEGREES = 57.295779513082320877; /* in a radian */
 
@@ -15,7 +17,10 @@ typedef struct audit_run {
 
 tumble throw_scene(uint32_t law)
 {
-    const tumble scene = {{0.10, 0.06, 0.04}, 9.81, 0.05, {0.35, 0.30, 0.60},
+    const tumble scene = {{0.10, 0.06, 0.04},
+                          9.81,
+                          0.05,
+                          {0.35, 0.30, 0.60},
                           {.struct_size = sizeof(tribo_impact_options), .law = law}};
 
     return scene;
@@ -51,8 +56,10 @@ static tribo_status make_floor(tribo_body *floor)
     return status == TRIBO_OK ? tribo_body_set_mass(floor, mass, inertia) : status;
 }
 
-/* Change of the totals of box and floor about one common point, which is neither's centre of mass. */
-static tribo_status audit_change(const audit_run *run, const tumble_impact *impact, tribo_change *out)
+/* Change of the totals of box and floor about one common point, which is neither's centre of mass.
+ */
+static tribo_status audit_change(const audit_run *run, const tumble_impact *impact,
+                                 tribo_change *out)
 {
     static const double origin[3] = {0.5, 0.3, 0.1};
     tribo_body before[2] = {impact->before, run->floor}, after[2] = {impact->after, run->floor};
@@ -74,7 +81,8 @@ static double greater(double a, double b)
     return a > b ? a : b;
 }
 
-/* How far the impulse is outside of the cone of static friction, the widest that friction allows. */
+/* How far the impulse is outside of the cone of static friction, the widest that friction allows.
+ */
 static double escape_of(const double p[3], double mu_s)
 {
     const double tangent[3] = {p[1], p[2], 0.0};
@@ -92,15 +100,16 @@ static void observe(void *user, const tumble_impact *impact)
 
     tribo_status status = audit_change(run, impact, &audit.change);
     if (status == TRIBO_OK)
-        status = tribo_audit_impact(impact->info.matrix, impact->info.velocity_before, &impact->pair,
-                                    impact->info.impulse, &audit.measures);
+        status = tribo_audit_impact(impact->info.matrix, impact->info.velocity_before,
+                                    &impact->pair, impact->info.impulse, &audit.measures);
     if (status != TRIBO_OK)
         run->status = status;
     if (record->impacts++ == 0)
         record->first = audit;
-    energy = audit.change.energy > throw_rounding ? impact->info.energy : 0.0;
+    energy = audit.change.energy > ROUNDING ? impact->info.energy : 0.0;
     record->gains += energy > 0.0;
-    record->escapes += audit.escape > throw_rounding;
+    record->escapes += audit.escape > ROUNDING;
+    record->rebounds += fabs(audit.measures.velocity) > ROUNDING;
     record->greatest_gain = greater(record->greatest_gain, energy);
     record->greatest_escape = greater(record->greatest_escape, audit.escape);
     record->greatest_linear = greater(record->greatest_linear, audit.change.linear);

@@ -1,6 +1,7 @@
 /**
  * @file throw.h
- * A box thrown with spin onto a floor, the same throw under each impact law, with an audit of each impact.
+ * A box thrown with spin onto a floor, the same throw under each impact law, with an audit of each
+ * impact.
  */
 #ifndef TRIBO_CLI_THROW_H
 #define TRIBO_CLI_THROW_H
@@ -19,15 +20,16 @@ typedef struct throw_audit {
 
 /** One throw. */
 typedef struct throw_record {
-    throw_audit first; /**< the first impact: the same velocities before it under each law */
+    throw_audit first;    /**< the first impact: the same velocities before it under each law */
     unsigned first_frame; /**< the frame before it */
     unsigned long impacts;
-    unsigned long gains;   /**< impacts that made energy */
-    unsigned long escapes; /**< impacts whose impulse left the friction cone */
-    double greatest_gain;  /**< of energy, J */
+    unsigned long gains;    /**< impacts that made energy */
+    unsigned long escapes;  /**< impacts whose impulse left the friction cone */
+    unsigned long rebounds; /**< impacts that broke Newton's restitution */
+    double greatest_gain;   /**< of energy, J */
     double greatest_escape, greatest_linear, greatest_angular;
     double energy_before, energy_after; /**< kinetic and potential, J */
-    double turned;                      /**< angle from the first to the last orientation, degrees */
+    double turned; /**< angle from the first to the last orientation, degrees */
     tribo_body path[THROW_FRAMES];
 } throw_record;
 
@@ -38,8 +40,5 @@ tumble throw_scene(uint32_t law);
 tribo_status throw_start(tribo_body *box);
 
 tribo_status throw_box(uint32_t law, throw_record *record);
-
-/** An impulse counts as outside of the cone beyond this fraction, and energy as gained. */
-extern const double throw_rounding;
 
 #endif

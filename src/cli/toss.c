@@ -13,15 +13,18 @@
 static const char USAGE[] =
     "usage: tribo toss FILE.csv [OPTION...]\n"
     "\n"
-    "Predict measured tosses of a cube onto a board from the first state of each, and compare. FILE.csv\n"
+    "Predict measured tosses of a cube onto a board from the first state of each, and compare. "
+    "FILE.csv\n"
     "(-: standard input) has one row per step of 1/148 s, with the columns, in any order:\n"
     "  toss,step    number of the toss; number of the step, one more in each row of a toss\n"
     "  qw,qx,qy,qz  orientation, body to world\n"
     "  px,py,pz     position of the centre, m; the board is z = 0\n"
     "  wx,wy,wz     angular velocity, body axes, rad/s\n"
     "  vx,vy,vz     velocity, world axes, m/s\n"
-    "Written are, for each toss, the means over its steps after the first of the distance between the\n"
-    "measured and the predicted position, in widths of the cube (0.1048 m), and of the angle between the\n"
+    "Written are, for each toss, the means over its steps after the first of the distance between "
+    "the\n"
+    "measured and the predicted position, in widths of the cube (0.1048 m), and of the angle "
+    "between the\n"
     "orientations, in degrees; then the means over the tosses.\n"
     "\n"
     "  --mu X           static friction; dynamic friction too, unless --mu-d is given (%g)\n"
@@ -34,40 +37,42 @@ enum { QW = 2, PX = 6, WX = 9, VX = 12, COLUMNS = 15 };
 static const char *const NAMES[COLUMNS] = {"toss", "step", "qw", "qx", "qy", "qz", "px", "py",
                                            "pz",   "wx",   "wy", "wz", "vx", "vy", "vz"};
 
-/* ---- the cube, as it was measured --------------------------------------------------------------------
+/* ---- the cube, as it was measured ---------------------------------------------------------------
  *
- * Nothing here is fitted to the prediction errors; each value follows from the cube, or from the measured
- * motion itself in a way that involves no impact law. What each is worth is the mean error without it, next
- * to 0.124 widths and 16.1 degrees with all of them. */
+ * Nothing here is fitted to the prediction errors; each value follows from the cube, or from the
+ * measured motion itself in a way that involves no impact law. What each is worth is the mean error
+ * without it, next to 0.124 widths and 16.1 degrees with all of them. */
 
 static const double STEP = 1.0 / 148.0;
 static const double GRAVITY = 9.81;
 static const double WIDTH = 0.1048;
 static const double MASS = 0.37;
 
-/* Lengths in the file are too short by a factor that two things tell alike: at rest the centre stands at
- * 0.0512 m, not at half the width (0.977), and free fall has 9.60 m/s^2 (0.979). */
+/* Lengths in the file are too short by a factor that two things tell alike: at rest the centre
+ * stands at 0.0512 m, not at half the width (0.977), and free fall has 9.60 m/s^2 (0.979). */
 static const double SCALE = 0.978;
 
-/* Moment of inertia, kg m^2: that of a box with thin walls, 5/18 m width^2. In 293 impacts of one corner,
- * I dw = r x m dv gives 0.00113 +- 0.00002. With the 0.00081 that come with the data: 16.6 degrees. */
+/* Moment of inertia, kg m^2: that of a box with thin walls, 5/18 m width^2. In 293 impacts of one
+ * corner, I dw = r x m dv gives 0.00113 +- 0.00002. With the 0.00081 that come with the data: 16.6
+ * degrees. */
 static const double INERTIA = 5.0 / 18.0 * 0.37 * 0.1048 * 0.1048;
 
-/* Velocities in the file are those of the middle of the last step (differences of positions), so that a
- * cube in free flight is already faster by half a step of gravity. */
+/* Velocities in the file are those of the middle of the last step (differences of positions), so
+ * that a cube in free flight is already faster by half a step of gravity. */
 static const double LAG = 0.5;
 
 /* Impacts slower than this, m/s, are plastic. Anything from 0 to 0.4 gives the same errors. */
 static const double SLOW = 0.05;
 
-/* Parts of a step. 2, 3, 8 and 16 change the mean errors by less than the measured data can tell. */
+/* Parts of a step. 2, 3, 8 and 16 change the mean errors by less than the measured data can tell.
+ */
 enum { PARTS = 5 };
 
 static const double DEGREES = 57.295779513082320877; /* in a radian */
 
-/* Friction is the nominal value of the data set, and the best: with 0.17 or 0.19 the error of position is
- * a tenth greater. Restitution is nominally 0.125; single corners rebound with 0.27, edges and faces with
- * less. All from 0.12 to 0.25 serve alike. */
+/* Friction is the nominal value of the data set, and the best: with 0.17 or 0.19 the error of
+ * position is a tenth greater. Restitution is nominally 0.125; single corners rebound with 0.27,
+ * edges and faces with less. All from 0.12 to 0.25 serve alike. */
 toss_options toss_defaults(void)
 {
     const toss_options defaults = {{0.18, 0.18, 0.18}, TRIBO_LAW_ROUTH_STRONGE, 0};
@@ -75,7 +80,7 @@ toss_options toss_defaults(void)
     return defaults;
 }
 
-/* ---- predicting ------------------------------------------------------------------------------------------ */
+/* ---- predicting ------------------------------------------------------------------------------ */
 
 typedef struct toss_run {
     const toss_options *options;
@@ -103,7 +108,8 @@ static void end_toss(toss_run *run)
 
 static int error_at(const table_row *row, size_t column, const char *problem)
 {
-    return cli_error_at(row->file, row->value_lines[column], row->value_columns[column], "%s", problem);
+    return cli_error_at(row->file, row->value_lines[column], row->value_columns[column], "%s",
+                        problem);
 }
 
 static int judge_values(const table_row *row)
@@ -150,8 +156,7 @@ static void compare(const double *values, toss_run *run)
 static tribo_status predict_step(toss_run *run)
 {
     const clock_t start = clock();
-    const tribo_status status =
-        tumble_advance(&run->scene, STEP, PARTS, &run->cube, NULL, NULL);
+    const tribo_status status = tumble_advance(&run->scene, STEP, PARTS, &run->cube, NULL, NULL);
 
     run->result.seconds += (double)(clock() - start) / CLOCKS_PER_SEC;
     return status;
@@ -191,10 +196,12 @@ static int take_state(void *user, const table_row *row)
 
 int toss_predict(const char *file, const toss_options *options, toss_result *result)
 {
-    toss_run run = {
-        .options = options,
-        .scene = {{0.5 * WIDTH, 0.5 * WIDTH, 0.5 * WIDTH}, GRAVITY, SLOW, options->pair,
-                  {.struct_size = sizeof(tribo_impact_options), .law = options->law}}};
+    toss_run run = {.options = options,
+                    .scene = {{0.5 * WIDTH, 0.5 * WIDTH, 0.5 * WIDTH},
+                              GRAVITY,
+                              SLOW,
+                              options->pair,
+                              {.struct_size = sizeof(tribo_impact_options), .law = options->law}}};
     const int exit_status = table_read(file, COLUMNS, NAMES, take_state, &run);
 
     if (exit_status != 0)
@@ -210,7 +217,7 @@ int toss_predict(const char *file, const toss_options *options, toss_result *res
     return 0;
 }
 
-/* ---- the command ----------------------------------------------------------------------------------------- */
+/* ---- the command ----------------------------------------------------------------------------- */
 
 static int run_toss(const char *file, const toss_options *options)
 {

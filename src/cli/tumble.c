@@ -2,8 +2,8 @@
 
 enum { CORNERS = 8, IMPACTS_AT_MOST = 100 };
 
-/* Impacts end when no corner approaches faster than this, m/s: a resting box then sinks by less than
- * 0.1 mm in a second. */
+/* Impacts end when no corner approaches faster than this, m/s: a resting box then sinks by less
+ * than 0.1 mm in a second. */
 static const double AT_REST = 1e-4;
 
 /* Arms from the centre of mass to the corners, world axes. */
@@ -20,8 +20,8 @@ static void corner_arms(const tumble *scene, const tribo_body *box, double arms[
     }
 }
 
-/* Of the corners that would pass the plane within `duration`, the one that approaches fastest; CORNERS if
- * there is none. */
+/* Of the corners that would pass the plane within `duration`, the one that approaches fastest;
+ * CORNERS if there is none. */
 static uint32_t next_corner(const tribo_body *box, double arms[CORNERS][3], double duration,
                             double *velocity)
 {
@@ -52,11 +52,12 @@ static tribo_status resolve_corners(const tumble *scene, double duration, tribo_
         const uint32_t corner = next_corner(box, arms, duration, &velocity);
         if (corner == CORNERS)
             break;
-        tumble_impact impact = {
-            .before = *box,
-            .contact = {{0.0, 0.0, 1.0}, {arms[corner][0], arms[corner][1], arms[corner][2]}, {0.0}},
-            .pair = scene->pair,
-            .info = {.struct_size = sizeof impact.info}};
+        tumble_impact impact = {.before = *box,
+                                .contact = {{0.0, 0.0, 1.0},
+                                            {arms[corner][0], arms[corner][1], arms[corner][2]},
+                                            {0.0}},
+                                .pair = scene->pair,
+                                .info = {.struct_size = sizeof impact.info}};
         if (-velocity < scene->slow)
             impact.pair.e = 0.0;
         status = tribo_contact_resolve(box, NULL, &impact.contact, &impact.pair, &scene->options,
@@ -68,9 +69,9 @@ static tribo_status resolve_corners(const tumble *scene, double duration, tribo_
     return status;
 }
 
-/* Half of gravity acts before the impacts and half after the flight. Flight is the exact parabola, and a
- * box at rest, which gravity pushes into the plane, is stopped before it moves: it cannot sink. Nothing
- * corrects positions, so nothing adds energy. */
+/* Half of gravity acts before the impacts and half after the flight. Flight is the exact parabola,
+ * and a box at rest, which gravity pushes into the plane, is stopped before it moves: it cannot
+ * sink. Nothing corrects positions, so nothing adds energy. */
 tribo_status tumble_advance(const tumble *scene, double step, uint32_t parts, tribo_body *box,
                             tumble_observer observer, void *user)
 {

@@ -1,7 +1,7 @@
 /**
  * @file tumble.h
- * A box that falls, strikes and slides on the immovable plane z = 0: free flight, and one impact after
- * the other at its corners.
+ * A box that falls, strikes and slides on the immovable plane z = 0: free flight, and one impact
+ * after the other at its corners.
  */
 #ifndef TRIBO_CLI_TUMBLE_H
 #define TRIBO_CLI_TUMBLE_H
@@ -27,8 +27,8 @@ typedef struct tumble_impact {
 
 typedef void (*tumble_observer)(void *user, const tumble_impact *impact);
 
-/** Advance `box` by `step` seconds in `parts` equal parts: free flight, and impacts of the corners that
- *  would pass the plane.
+/** Advance `box` by `step` seconds in `parts` equal parts: free flight, and impacts of the corners
+ * that would pass the plane.
  *  @param observer may be null
  *  @return TRIBO_OK or the status of the library function that failed. */
 tribo_status tumble_advance(const tumble *scene, double step, uint32_t parts, tribo_body *box,
