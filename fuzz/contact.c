@@ -316,12 +316,14 @@ typedef struct momenta {
     double angular[3];
     double scale[2];
     double energy;
+    double rounding; /* of the energy, over eps: |I| |w|^2 in place of w . I w */
 } momenta;
 
 static void measure(const scene *s, const double origin[3], momenta *m)
 {
     double spin[3];
     double energy;
+    double values[3];
     const tribo_body *bodies[2] = {&s->a, &s->b};
     memset(m, 0, sizeof *m);
     for (uint32_t i = 0; i < 1 + s->has_b; i++) {
@@ -329,15 +331,31 @@ static void measure(const scene *s, const double origin[3], momenta *m)
         const double speed = norm3(bodies[i]->velocity);
         reference_spin(bodies[i], spin, &energy);
         m->energy += 0.5 * speed * speed / bodies[i]->inverse_mass + energy;
+        const double rate = norm3(bodies[i]->angular_velocity);
+        reference_eigenvalues(bodies[i]->inverse_inertia, values);
+        m->rounding +=
+            0.5 * speed * speed / bodies[i]->inverse_mass + 0.5 * rate * rate / values[0];
     }
 }
 
-static void require_conserved(property_trial *t, const momenta *before, const momenta *after)
+/* What rounding of I^-1 (r x p) amounts to in the directions that are hard to turn. */
+static double turning_scale(const scene *s, double impulse)
+{
+    double sum = norm3(s->contact.arm_a) * reference_condition(s->a.inverse_inertia);
+    if (s->has_b) {
+        sum += norm3(s->contact.arm_b) * reference_condition(s->b.inverse_inertia);
+    }
+    return sum * impulse;
+}
+
+/* `turning` is 0 for plain bodies. */
+static void require_conserved(property_trial *t, const momenta *before, const momenta *after,
+                              double turning)
 {
     REQUIRE_AT_MOST(t, distance3(before->linear, after->linear),
                     8.0 * EPS * (before->scale[0] + after->scale[0]));
     REQUIRE_AT_MOST(t, distance3(before->angular, after->angular),
-                    16.0 * EPS * (before->scale[1] + after->scale[1]));
+                    16.0 * EPS * (before->scale[1] + after->scale[1] + turning));
 }
 
 /* Linear momentum, and angular momentum about one point common to both bodies. */
@@ -349,7 +367,8 @@ static void apply_conserves(property_trial *t)
     double origin[3];
     momenta before;
     momenta after;
-    make_scene(t, BODY_WIDE, &s);
+    const uint32_t kind = make_choice(t, "wide", 2) == 1 ? BODY_WIDE : BODY_PLAIN;
+    make_scene(t, kind, &s);
     ASSUME(t, s.has_b);
     make_frame(t, s.contact.normal, frame);
     make_vector(t, "p", -6, 6, p);
@@ -357,7 +376,7 @@ static void apply_conserves(property_trial *t)
     measure(&s, origin, &before);
     REQUIRE_STATUS(t, tribo_contact_apply(&s.a, &s.b, &s.contact, frame, p), TRIBO_OK);
     measure(&s, origin, &after);
-    require_conserved(t, &before, &after);
+    require_conserved(t, &before, &after, kind == BODY_PLAIN ? 0.0 : turning_scale(&s, norm3(p)));
 }
 
 static void apply_single(property_trial *t)
@@ -560,6 +579,18 @@ static int leaves_doubles(const double x[3], double mu, long double want[3])
     return want[0] > 0.9999L * wide(DBL_MAX) || length3(x) > wide(DBL_MAX);
 }
 
+/* In the cone to 4 eps; only where p_n or p_t is no normal number, as near to it as such numbers
+ * are. */
+static void require_member(property_trial *t, const double p[3], double mu, long double slack)
+{
+    const long double excess = length2(p + 1) - wide(mu) * wide(p[0]);
+    REQUIRE(t, p[0] >= 0.0);
+    REQUIRE(t, excess <= slack * (1.0L + wide(mu)));
+    if (p[0] >= 0x1p-960 && wide(p[0]) >= 0x1p-960L * length2(p + 1)) {
+        REQUIRE(t, tribo_cone_contains(p, mu, 4.0 * EPS) == 1);
+    }
+}
+
 /* Nearest, to 8 eps |x|, for all finite input. */
 static void cone_project(property_trial *t)
 {
@@ -582,7 +613,7 @@ static void cone_project(property_trial *t)
         REQUIRE(t, isfinite(out[i]));
         REQUIRE_NEAR(t, wide(out[i]) - want[i], 0.0, slack);
     }
-    REQUIRE(t, tribo_cone_contains(out, mu, 4.0 * EPS) == 1);
+    require_member(t, out, mu, slack);
 }
 
 static void cone_idempotent(property_trial *t)
@@ -693,7 +724,7 @@ static void cone_limits(property_trial *t)
     REQUIRE(t, out[0] == (x[0] > 0.0 ? x[0] : 0.0) && out[1] == 0.0 && out[2] == 0.0);
     const double want[3] = {x[0] > 0.0 ? x[0] : 0.0, x[1], x[2]};
     REQUIRE_STATUS(t, tribo_cone_project(x, 1e300, out), TRIBO_OK);
-    REQUIRE_AT_MOST(t, apart(out, want), 8.0L * wide(EPS) * length3(x) + 0x1p-1073L);
+    REQUIRE_AT_MOST(t, apart(out, want), 8.0L * wide(EPS) * length3(x) + 0x1p-1070L);
 }
 
 /* p_n up to 0, p_t shortened to mu p_n. */
@@ -708,11 +739,11 @@ static void cone_clamp(property_trial *t)
     const long double length = length2(x + 1);
     const long double limit = wide(mu) * n;
     const long double share = length > limit ? limit / length : 1.0L;
-    const long double slack = 8.0L * wide(EPS) * share;
-    REQUIRE(t, wide(out[0]) == n && tribo_cone_contains(out, mu, 4.0 * EPS) == 1);
+    const long double slack = 8.0L * wide(EPS) * share * length + 0x1p-1073L;
+    require_member(t, out, mu, slack);
+    REQUIRE(t, wide(out[0]) == n);
     for (int i = 1; i < 3; i++) {
-        REQUIRE_NEAR(t, wide(out[i]) - share * wide(x[i]), 0.0,
-                     slack * fabsl(wide(x[i])) + 0x1p-1073L);
+        REQUIRE_NEAR(t, wide(out[i]) - share * wide(x[i]), 0.0, slack);
     }
     REQUIRE_STATUS(t, tribo_cone_clamp(x, mu, x), TRIBO_OK);
     REQUIRE_SAME(t, x, out, sizeof x);
@@ -1159,7 +1190,8 @@ static void require_status(property_trial *t, problem *q)
     q->condition = reference_condition(q->w);
     /* products of very unequal numbers leave the range that the reference scales by */
     if (q->condition < 1e12 && q->mu_s < 1e6 && (q->mu_d == 0.0 || q->mu_d > 1e-100) &&
-        norm3(p) < 1e250 && norm3(q->b) > 1e-250 && fabs(q->b[0]) > 1e-100 * norm3(q->b)) {
+        norm3(p) < 1e250 && norm3(q->b) > 1e-250 && norm3(q->b) > 1e-250 * q->w[0] &&
+        fabs(q->b[0]) > 1e-100 * norm3(q->b)) {
         require_solution(t, q, p, &info);
     }
 }
@@ -1584,7 +1616,7 @@ static void impact_routh(property_trial *t)
     }
     REQUIRE_AT_MOST(t, energy_of(&q), 64.0 * EPS * q.impulse * q.velocity);
     if (q.options.law == TRIBO_LAW_ROUTH_POISSON) {
-        REQUIRE_NEAR(t, q.p[0], (1.0 + q.pair.e) * q.info.compression, 8.0 * EPS * q.p[0]);
+        REQUIRE_NEAR(t, q.p[0], (1.0 + q.pair.e) * q.info.compression, 64.0 * EPS * q.p[0]);
     }
 }
 
@@ -1595,7 +1627,7 @@ typedef struct routh {
     long double un, ut;
     long double mu_s, mu_d;
     long double pn, pt; /* impulses so far */
-    long double work;   /* of the normal impulse */
+    long double work;   /* of the normal impulse; since greatest compression */
 } routh;
 
 /* Friction ratio dp_t/dp_n. */
@@ -1689,7 +1721,9 @@ static int routh_reference(const impact *q, long double p[2], long double *compr
         return 0;
     }
     *compression = r.pn;
-    const long double goal[3] = {-e * wide(q->u[0]), (1.0L + e) * r.pn, (1.0L - e * e) * r.work};
+    const long double spent = r.work;
+    r.work = 0.0L;
+    const long double goal[3] = {-e * wide(q->u[0]), (1.0L + e) * r.pn, -e * e * spent};
     const int done = e == 0.0L || restitute(&r, q->options.law, goal);
     p[0] = r.pn;
     p[1] = r.pt;
@@ -2197,16 +2231,19 @@ static void collide_conserves(property_trial *t)
     double origin[3];
     momenta before;
     momenta after;
-    make_collision(t, BODY_WIDE, make_choice(t, "law", LAWS), &c);
+    const uint32_t kind = make_choice(t, "wide", 2) == 1 ? BODY_WIDE : BODY_PLAIN;
+    make_collision(t, kind, make_choice(t, "law", LAWS), &c);
     make_vector(t, "origin", -4, 6, origin);
     ASSUME(t, c.condition < 1e10);
     measure(&c.s, origin, &before);
     REQUIRE_STATUS(t, collide(&c), TRIBO_OK);
     measure(&c.s, origin, &after);
     if (c.s.has_b) {
-        require_conserved(t, &before, &after);
+        const double turning = turning_scale(&c.s, norm3(c.info.impulse));
+        require_conserved(t, &before, &after, kind == BODY_PLAIN ? 0.0 : turning);
     }
-    const double size = before.energy + after.energy + fabs(c.info.energy);
+    const double size =
+        kind == BODY_PLAIN ? before.energy + after.energy : before.rounding + after.rounding;
     REQUIRE_NEAR(t, after.energy - before.energy, c.info.energy, 64.0 * EPS * c.condition * size);
 }
 
@@ -2695,7 +2732,8 @@ static void friction_force(property_trial *t)
         REQUIRE(t, norm3(force) == 0.0 && press <= slack);
         return;
     }
-    REQUIRE(t, press > 0.0 && mode == (holds ? TRIBO_MODE_STICK : TRIBO_MODE_SLIP));
+    ASSUME(t, press > 1e-290);
+    REQUIRE(t, mode == (holds ? TRIBO_MODE_STICK : TRIBO_MODE_SLIP));
     const double share = holds ? 1.0 : pair.mu_d * press / pull;
     for (int i = 0; i < 3; i++) {
         REQUIRE_NEAR(t, force[i], -share * planar[i], 8.0 * EPS * share * pull);
