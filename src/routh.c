@@ -52,13 +52,18 @@ static void apply_tangent(const routh_problem *c, const double x[2], double out[
 
 /* ---- phases ---------------------------------------------------------------------------------- */
 
-/* What must reach 0 from below for the phase to end. */
-static double phase_gap(const routh_problem *c, double un, double pn, double work)
+/* The phase ends where one of these rises to the phase's goal. */
+static double phase_goal(const routh_problem *c)
+{
+    return c->restituting ? c->goal : 0.0;
+}
+
+static double phase_value(const routh_problem *c, const routh_state *state)
 {
     if (!c->restituting || c->law == TRIBO_LAW_ROUTH_NEWTON) {
-        return un - (c->restituting ? c->goal : 0.0);
+        return state->un;
     }
-    return (c->law == TRIBO_LAW_ROUTH_POISSON ? pn : work) - c->goal;
+    return c->law == TRIBO_LAW_ROUTH_POISSON ? state->pn : state->work;
 }
 
 /* Poisson's and Stronge's restitution start anew if turning slip compresses the contact again. */
@@ -93,7 +98,7 @@ static int begin_restitution(routh_problem *c, routh_state *state)
 /* Normal impulse from here to the end of the phase; negative: never. */
 static double phase_length(const routh_problem *c, const routh_state *state, double slope)
 {
-    const double gap = -phase_gap(c, state->un, state->pn, state->work);
+    const double gap = phase_goal(c) - phase_value(c, state);
     if (c->restituting && c->law == TRIBO_LAW_ROUTH_POISSON) {
         return gap;
     }
@@ -324,14 +329,15 @@ static double series_step(const routh_problem *c, const routh_series *t)
 /* tau in (0, h] at which the phase ends, known to end within; bisection on bit patterns. */
 static double event_time(const routh_problem *c, const routh_series *t, double h)
 {
+    const int by_velocity = !c->restituting || c->law == TRIBO_LAW_ROUTH_NEWTON;
+    const double *by_law = c->law == TRIBO_LAW_ROUTH_POISSON ? t->pn : t->work;
+    const double *terms = by_velocity ? t->un : by_law;
+    const double goal = phase_goal(c);
     uint64_t low = 0;
     uint64_t high = bits_of(h);
     while (high - low > 1) {
         const uint64_t middle = low + (high - low) / 2;
-        const double tau = double_of(middle);
-        const double gap = phase_gap(c, sum_series(t->un, tau), sum_series(t->pn, tau),
-                                     sum_series(t->work, tau));
-        if (gap >= 0.0) {
+        if (sum_series(terms, double_of(middle)) >= goal) {
             high = middle;
         } else {
             low = middle;
@@ -348,7 +354,7 @@ static int run_turning(routh_problem *c, routh_state *state)
     expand(c, state, &t);
     const double h = series_step(c, &t);
     evaluate(&t, h, &next);
-    const int goes_on = phase_gap(c, next.un, next.pn, next.work) < 0.0;
+    const int goes_on = phase_value(c, &next) < phase_goal(c);
     if (!goes_on) {
         evaluate(&t, event_time(c, &t, h), &next);
     }

@@ -42,7 +42,7 @@ static void put_quoted(FILE *gnuplot, const char *text)
 
 static FILE *begin_plot(const char *folder, const char *name, int width, int height)
 {
-    FILE *gnuplot = popen("gnuplot", "w");
+    FILE *gnuplot = popen("LC_ALL=C.UTF-8 gnuplot", "w"); /* whatever the user's own locale */
 
     if (gnuplot == NULL) {
         cli_error(CLI_BAD_INPUT, "gnuplot: %s", strerror(errno));
