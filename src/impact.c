@@ -9,14 +9,48 @@ static double frictionless(const kernel_problem *k, double e, double p[3])
     return k->b1 == 0.0 && k->b2 == 0.0 ? KERNEL_STICK : KERNEL_SLIP;
 }
 
+/* S x = c by the larger pivot. A direction that rounding left without mobility gets no impulse, which keeps
+ * every promise of the law. Returns 0 if S is not semidefinite. */
+static int solve_by_pivot(const kernel_problem *k, const kernel_schur *s, double x[2])
+{
+    const double size = k->t11 + k->t22;
+    const double nothing = SINGULAR_TOLERANCE * size;
+    const int second = s->s22 > s->s11;
+    const double pivot = second ? s->s22 : s->s11;
+    const double other = second ? s->s11 : s->s22;
+    const double c_pivot = second ? s->c2 : s->c1;
+    const double c_other = second ? s->c1 : s->c2;
+    const double det = pivot * other - s->s12 * s->s12;
+    const double least = -SEMIDEFINITE_TOLERANCE * size;
+    if (other < least || pivot < least || det < least * greater(pivot, nothing)) {
+        return 0;
+    }
+    x[0] = x[1] = 0.0;
+    if (pivot > nothing) {
+        const double across = det > nothing * pivot ? (c_other * pivot - s->s12 * c_pivot) / det : 0.0;
+        x[second ? 0 : 1] = across;
+        x[second ? 1 : 0] = (c_pivot - s->s12 * across) / pivot;
+    }
+    return 1;
+}
+
 static double algebraic(const kernel_problem *k, const tribo_material *pair, double e_t, double p[3],
-                         tribo_impact_info *info)
+                        tribo_impact_info *info)
 {
     kernel_algebraic result;
     kernel_solve_algebraic(k, pair->mu_s, pair->mu_d, pair->e, e_t, &result);
+    if (result.mode == KERNEL_ODD) {
+        kernel_schur s;
+        double x[2];
+        kernel_reduce(k, &s);
+        if (!solve_by_pivot(k, &s, x)) {
+            return KERNEL_MATRIX;
+        }
+        kernel_scale_algebraic(k, s.inverse_a, x, pair->mu_s, pair->mu_d, pair->e, e_t, &result);
+    }
     memcpy(p, result.p, sizeof result.p);
     info->kappa = result.kappa;
-    return result.mode == KERNEL_ODD ? KERNEL_MATRIX : result.mode;
+    return result.mode;
 }
 
 static double coulomb(const kernel_problem *k, const tribo_material *pair, double p[3],

@@ -226,53 +226,46 @@ typedef struct kernel_algebraic {
     double mode;
 } kernel_algebraic;
 
-TRIBO_ALWAYS_INLINE void kernel_solve_algebraic(const kernel_problem *k, double mu_s, double mu_d,
-                                                double e, double e_t, kernel_algebraic *out)
+/* From x = S^-1 c, the tangential part of the sticking impulse P_II. */
+TRIBO_ALWAYS_INLINE void kernel_scale_algebraic(const kernel_problem *k, double inverse_a,
+                                                const double x[2], double mu_s, double mu_d, double e,
+                                                double e_t, kernel_algebraic *out)
 {
-    kernel_schur s;
-    kernel_reduce(k, &s);
-
-    /* S x = c by the larger pivot; a direction that rounding left without mobility gets no impulse. */
-    const double size = k->t11 + k->t22;
-    const double nothing = SINGULAR_TOLERANCE * size;
-    const int second = s.s22 > s.s11;
-    const double pivot = second ? s.s22 : s.s11;
-    const double other = second ? s.s11 : s.s22;
-    const double c_pivot = second ? s.c2 : s.c1;
-    const double c_other = second ? s.c1 : s.c2;
-    const int mobile = pivot > nothing;
-    const double inverse_pivot = 1.0 / (mobile ? pivot : 1.0);
-    const double determinant = pivot * other - s.s12 * s.s12;
-    const int regular = determinant > nothing * pivot;
-    const double solved = (c_other * pivot - s.s12 * c_pivot) / (regular ? determinant : 1.0);
-    const double x_other = regular ? solved : 0.0;
-    const double x_pivot = mobile ? (c_pivot - s.s12 * x_other) * inverse_pivot : 0.0;
-    const double x1 = second ? x_other : x_pivot;
-    const double x2 = second ? x_pivot : x_other;
-
     /* P_I = plastic n, P_II - P_I = (coupling, x). */
-    const double plastic = -k->bn * s.inverse_a;
+    const double plastic = -k->bn * inverse_a;
     const double normal_rest = (1.0 + e) * plastic;
-    const double coupling = -(k->n1 * x1 + k->n2 * x2) * s.inverse_a;
-    const double length = sqrt(x1 * x1 + x2 * x2);
+    const double coupling = -(k->n1 * x[0] + k->n2 * x[1]) * inverse_a;
+    const double length = sqrt(x[0] * x[0] + x[1] * x[1]);
     const double full = 1.0 + e_t;
     const double full_normal = normal_rest + full * coupling;
     const int sticks = full * length <= mu_s * full_normal;
     /* On the cone, |P_t| = mu P_n exactly: P_t = kappa x, P_n = normal_rest |x| / reach. */
     const double share = normal_rest / (sticks ? 1.0 : length - mu_d * coupling);
     const double kappa = sticks ? full : mu_d * share;
-    out->p[0] = sticks ? full_normal : share * length;
-    out->p[1] = kappa * x1;
-    out->p[2] = kappa * x2;
-    out->kappa = kappa;
-
-    const double least = -SEMIDEFINITE_TOLERANCE * size;
     const double closing = sticks ? KERNEL_STICK : KERNEL_SLIP;
-    const double mode = k->bn >= 0.0 ? KERNEL_OPEN : closing;
-    const int sound = (s.s11 >= least) & (s.s22 >= least) & (determinant >= least * greater(pivot, nothing)) &
-                      (mu_d >= 0.0) & (mu_s >= mu_d) & (mu_s <= DBL_MAX) & (e >= 0.0) &
-                      (e <= 1.0) & (e_t >= -1.0) & (e_t <= 1.0) & (k->fault == KERNEL_OPEN);
-    out->mode = sound ? mode : KERNEL_ODD;
+    out->p[0] = sticks ? full_normal : share * length;
+    out->p[1] = kappa * x[0];
+    out->p[2] = kappa * x[1];
+    out->kappa = kappa;
+    out->mode = k->bn >= 0.0 ? KERNEL_OPEN : closing;
+}
+
+/* x by adj(S) c / det S where S is well conditioned; ODD elsewhere and for bad coefficients. */
+TRIBO_ALWAYS_INLINE void kernel_solve_algebraic(const kernel_problem *k, double mu_s, double mu_d,
+                                                double e, double e_t, kernel_algebraic *out)
+{
+    kernel_schur s;
+    kernel_reduce(k, &s);
+    const double trace = s.s11 + s.s22;
+    const double det = s.s11 * s.s22 - s.s12 * s.s12;
+    const double inverse = 1.0 / det;
+    const double x[2] = {(s.s22 * s.c1 - s.s12 * s.c2) * inverse,
+                         (s.s11 * s.c2 - s.s12 * s.c1) * inverse};
+    kernel_scale_algebraic(k, s.inverse_a, x, mu_s, mu_d, e, e_t, out);
+    const int sound = (det >= FAST_CONDITION * (trace * trace)) & (trace > 0.0) & (mu_d >= 0.0) &
+                      (mu_s >= mu_d) & (mu_s <= DBL_MAX) & (e >= 0.0) & (e <= 1.0) &
+                      (e_t >= -1.0) & (e_t <= 1.0) & (k->fault == KERNEL_OPEN);
+    out->mode = sound ? out->mode : KERNEL_ODD;
 }
 
 /* What one body adds to W: x_k . J x_l with x_k = R^T (r x n_k), in body axes. A diagonal J saves

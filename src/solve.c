@@ -1,5 +1,7 @@
 #include "solve.h"
 
+#include "cone.h"
+
 /* Sliding subproblem (S + nu 1) p_t = c of a general problem. */
 typedef struct slide {
     double s[4];
@@ -115,7 +117,7 @@ static void write_impulse(const solve_general *g, const slide *e, double mu, int
                           const double p[2], double out[3])
 {
     const double normal = normal_impulse(g, e, p);
-    const double length = sqrt(p[0] * p[0] + p[1] * p[1]) / e->scale;
+    const double length = planar_length(p[0], p[1]) / e->scale;
     double f = 1.0;
     out[0] = normal;
     if (slips && mu >= 1.0) {
@@ -125,6 +127,28 @@ static void write_impulse(const solve_general *g, const slide *e, double mu, int
     }
     out[1] = f * p[0] / e->scale;
     out[2] = f * p[1] / e->scale;
+}
+
+/* 1 if p solves the problem to 1e-9 of the velocities that it is made of: v_n = 0 and v_t = -nu p_t. On a W
+ * that is singular to rounding, an answer may look right on the way and be none. */
+static int is_certified(const solve_general *g, const double p[3], double nu)
+{
+    const double rows[3][3] = {{g->nn, g->row[0], g->row[1]},
+                               {g->column[0], g->d[0], g->d[1]},
+                               {g->column[1], g->d[2], g->d[3]}};
+    const double b[3] = {g->bn, g->b[0], g->b[1]};
+    double error = 0.0;
+    double scale = 0.0;
+    for (int i = 0; i < 3; i++) {
+        double v = b[i] + (i > 0 ? nu * p[i] : 0.0);
+        scale += absolute(b[i]);
+        for (int j = 0; j < 3; j++) {
+            v += rows[i][j] * p[j];
+            scale += absolute(rows[i][j] * p[j]);
+        }
+        error = greater(error, absolute(v));
+    }
+    return error <= 1e-9 * scale;
 }
 
 double solve_by_bisection(const solve_general *problem, double mu_s, double mu_d, double p[3],
@@ -149,7 +173,7 @@ double solve_by_bisection(const solve_general *problem, double mu_s, double mu_d
     if (friction_suffices(problem, &e, mu_s, 0.0)) {
         solve_shifted(&e, 0.0, p_t);
         write_impulse(problem, &e, mu_s, 0, p_t, p);
-        return KERNEL_STICK;
+        return is_certified(problem, p, 0.0) ? KERNEL_STICK : KERNEL_MATRIX;
     }
     if (mu_d == 0.0) {
         write_impulse(problem, &e, 0.0, 0, p_t, p);
@@ -173,7 +197,7 @@ double solve_by_bisection(const solve_general *problem, double mu_s, double mu_d
         return KERNEL_JAM;
     }
     write_impulse(problem, &e, mu_d, 1, p_t, p);
-    return KERNEL_SLIP;
+    return is_certified(problem, p, *nu) ? KERNEL_SLIP : KERNEL_MATRIX;
 }
 
 /* ---- spectral path ----------------------------------------------------------------------------- */

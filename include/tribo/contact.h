@@ -183,7 +183,8 @@ TRIBO_API tribo_status tribo_cone_clamp(const double p[3], double mu, double out
  *  @param p    receives the impulse
  *  @param info may be null
  *  @return TRIBO_ERROR_NULL, TRIBO_ERROR_STRUCT_SIZE, TRIBO_ERROR_NOT_FINITE, TRIBO_ERROR_RANGE (input
- *          beyond the above, or p beyond double), TRIBO_ERROR_FRICTION, TRIBO_ERROR_CONTACT_MATRIX,
+ *          beyond the above, or p beyond double), TRIBO_ERROR_FRICTION, TRIBO_ERROR_CONTACT_MATRIX (also
+ *          where W is so near to singular that no answer can be certified),
  *          TRIBO_ERROR_IMMOVABLE (W_nn = 0), TRIBO_ERROR_JAM (W is only semidefinite and no bounded
  *          impulse exists). */
 TRIBO_API tribo_status tribo_contact_solve(const double w[6], const double b[3], double mu_s,
@@ -207,9 +208,9 @@ TRIBO_API tribo_status tribo_contact_solve_general(const double w[9], const doub
  *  @param p       receives the impulse, N s
  *  @param info    may be null
  *  @return TRIBO_ERROR_NULL, TRIBO_ERROR_STRUCT_SIZE, TRIBO_ERROR_OPTION, TRIBO_ERROR_NOT_FINITE,
- *          TRIBO_ERROR_RANGE (p, or what info asks for, is beyond double), TRIBO_ERROR_FRICTION, TRIBO_ERROR_RESTITUTION,
- *          TRIBO_ERROR_CONTACT_MATRIX, TRIBO_ERROR_IMMOVABLE, TRIBO_ERROR_JAM. FRICTIONLESS needs, and
- *          judges, no more of W than its size and diagonal. A W that is only semidefinite is accepted by FRICTIONLESS and ALGEBRAIC always, by LECTURE never
+ *          TRIBO_ERROR_RANGE (p, or what info asks for, is beyond double), TRIBO_ERROR_FRICTION,
+ *          TRIBO_ERROR_RESTITUTION, TRIBO_ERROR_CONTACT_MATRIX, TRIBO_ERROR_IMMOVABLE, TRIBO_ERROR_JAM.
+ *          FRICTIONLESS needs, and judges, no more of W than its size and diagonal. A W that is only semidefinite is accepted by FRICTIONLESS and ALGEBRAIC always, by LECTURE never
  *          (TRIBO_ERROR_CONTACT_MATRIX), by COULOMB and ROUTH where a solution exists. */
 TRIBO_API tribo_status tribo_impact(const double w[6], const double u[3], const tribo_material *pair,
                                     const tribo_impact_options *options, double p[3],

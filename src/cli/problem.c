@@ -25,7 +25,7 @@ static int next_byte(scanner *s)
 {
     const int byte = getc(s->stream);
 
-    s->column++;
+    s->column += byte != EOF;
     if (byte == '\n') {
         s->line++;
         s->column = 1;
