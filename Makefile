@@ -256,7 +256,7 @@ check-sanitize:
 	      grep error: $(BUILD)/asan/clang.log | sed 's/^/# /'; \
 	  fi; } >$(BUILD)/asan/clang.tap
 	$(MAKE) --no-print-directory run-properties BUILD=$(BUILD)/asan CC=gcc CFLAGS='$(SANITIZE)' \
-	    EXTRA="'cat $(BUILD)/asan/clang.tap'"
+	    EXTRA="'cat $(abspath $(BUILD))/asan/clang.tap'"
 
 bench-programs: $(BENCHES)
 
