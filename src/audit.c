@@ -85,8 +85,8 @@ static void apply_matrix(const double w[6], const double p[3], double out[3])
     tribo_sym3_apply(w, p, out);
 }
 
-/* W, b and p in units in which the greatest diagonal entry of W and the velocity scale V lie in [1, 2):
- * the measures have no dimension, and then nothing over- or underflows. */
+/* W, b and p in units in which the greatest diagonal entry of W and the velocity scale V lie in [1,
+ * 2): the measures have no dimension, and then nothing over- or underflows. */
 typedef struct audit_problem {
     double w[6], b[3], p[3], v[3];
     double velocity_scale, impulse_scale, greatest;

@@ -9,7 +9,10 @@ typedef struct status_entry {
     const char *text;
 } status_entry;
 
-#define ENTRY(status, text) {status, #status, text}
+#define ENTRY(status, text)   \
+    {                         \
+        status, #status, text \
+    }
 
 static const status_entry statuses[] = {
     ENTRY(TRIBO_OK, "success"),

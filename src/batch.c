@@ -127,7 +127,8 @@ static tribo_status solve_scalar(size_t count, const double *w, const double *b,
 void lanes_impact_one(const double *w, const double *u, const tribo_material *pairs, size_t i,
                       double *p, uint32_t *modes, tribo_status *statuses, tribo_status *first)
 {
-    /* No more than the mode is asked for: whether u+ and the energy are within double is not judged. */
+    /* No more than the mode is asked for: whether u+ and the energy are within double is not
+     * judged. */
     tribo_impact_info info = {.struct_size = offsetof(tribo_impact_info, velocity)};
     const tribo_status status =
         tribo_impact(w + 6 * i, u + 3 * i, pairs + i, NULL, p + 3 * i, &info);
@@ -170,9 +171,9 @@ tribo_status tribo_batch_matrix(uint32_t isa, size_t body_count, const tribo_bod
     }
     const lanes_table *table;
     const tribo_status status = find_table(isa, &table);
-    return status != TRIBO_OK ? status
-                              : table->matrix(body_count, bodies, count, pairs, contacts, frames, w,
-                                              statuses);
+    return status != TRIBO_OK
+               ? status
+               : table->matrix(body_count, bodies, count, pairs, contacts, frames, w, statuses);
 }
 
 tribo_status tribo_batch_solve(uint32_t isa, size_t count, const double *w, const double *b,

@@ -1,8 +1,9 @@
-/* Eight contacts at a time. Each stage is one loop over the lanes around branch-free scalar arithmetic of
- * kernel.h, which compilers turn into vector code; lanes that have settled are frozen, so each goes
- * through exactly the operations of its scalar solve. Loading turns contact-major arrays into lanes. */
-#include "lanes.h"
+/* Eight contacts at a time. Each stage is one loop over the lanes around branch-free scalar
+ * arithmetic of kernel.h, which compilers turn into vector code; lanes that have settled are
+ * frozen, so each goes through exactly the operations of its scalar solve. Loading turns
+ * contact-major arrays into lanes. */
 #include "kernel.h"
+#include "lanes.h"
 #include "rows.h"
 
 #ifndef TRIBO_LANES
@@ -67,8 +68,8 @@ static void scale_lanes(lane_row *restrict w, lane_row *restrict b, lane_problem
 
 TRIBO_ALWAYS_INLINE kernel_problem problem_of(const lane_problem *p, int i)
 {
-    const kernel_problem k = {p->nn[i],  p->n1[i], p->n2[i], p->t11[i], p->t12[i], p->t22[i],
-                              p->bn[i],  p->b1[i], p->b2[i], p->up[i],  p->up2[i], p->fault[i]};
+    const kernel_problem k = {p->nn[i], p->n1[i], p->n2[i], p->t11[i], p->t12[i], p->t22[i],
+                              p->bn[i], p->b1[i], p->b2[i], p->up[i],  p->up2[i], p->fault[i]};
     return k;
 }
 
@@ -106,16 +107,16 @@ static void prepare_lanes(const lane_problem *restrict p, lane_row *restrict mu,
 TRIBO_ALWAYS_INLINE kernel_slip slip_of(const lane_slip *s, int i)
 {
     const kernel_slip e = {
-        s->inverse_a[i], s->bn[i], s->n1[i], s->n2[i], s->c1[i],
-        s->c2[i], s->e1[i], s->e2[i], s->trace[i], s->det[i],
-        s->mu_s[i], s->inverse_mu[i], s->A[i], s->B[i], s->C[i],
-        s->alpha[i], s->beta[i], s->gamma[i], s->least[i], s->nu[i],
-        s->mode[i],
+        s->inverse_a[i], s->bn[i], s->n1[i],    s->n2[i],    s->c1[i],   s->c2[i],
+        s->e1[i],        s->e2[i], s->trace[i], s->det[i],   s->mu_s[i], s->inverse_mu[i],
+        s->A[i],         s->B[i],  s->C[i],     s->alpha[i], s->beta[i], s->gamma[i],
+        s->least[i],     s->nu[i], s->mode[i],
     };
     return e;
 }
 
-/* One step of all lanes that slip and have not settled; open[i] is 1 there. Returns how many go on. */
+/* One step of all lanes that slip and have not settled; open[i] is 1 there. Returns how many go
+ * on. */
 static double step_lanes(lane_slip *restrict s, double *restrict open)
 {
     double left = 0.0;
@@ -144,8 +145,8 @@ static void finish_lanes(const lane_slip *restrict s, const lane_problem *restri
     }
 }
 
-/* Open contacts have no impulse. odd[i] becomes 1 where a lane wants a closer look: an odd mode, a lane that has
- * not settled, an impulse beyond double. Returns how many. */
+/* Open contacts have no impulse. odd[i] becomes 1 where a lane wants a closer look: an odd mode, a
+ * lane that has not settled, an impulse beyond double. Returns how many. */
 static double settle_lanes(lane_row *restrict p, const double *restrict mode,
                            const double *restrict open, double *restrict odd)
 {
@@ -237,8 +238,9 @@ static void impact_lanes(const lane_problem *restrict problem, lane_row *restric
     }
 }
 
-static void impact_block(size_t count, const double *w, const double *u, const tribo_material *pairs,
-                         double *p, uint32_t *modes, tribo_status *statuses, tribo_status *first)
+static void impact_block(size_t count, const double *w, const double *u,
+                         const tribo_material *pairs, double *p, uint32_t *modes,
+                         tribo_status *statuses, tribo_status *first)
 {
     lane_row w_rows[6];
     lane_row u_rows[3];

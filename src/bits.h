@@ -63,9 +63,9 @@ TRIBO_ALWAYS_INLINE int all_finite(const double *x, int count)
 #define TRIBO_LARGE 1.0715086071862673e+301 /* 2^1000 */
 #define TRIBO_SMALL 9.3326361850321888e-302 /* 2^-1000 */
 
-/* Biased exponent of the power of two that brings |x| into [1, 2), held within 2^-1000 and 2^1000 so
- * that the scale and its inverse are both normal numbers. 0 and NaN count as small. Held as a double, because
- * lanes have no cheap comparison of 64-bit integers. */
+/* Biased exponent of the power of two that brings |x| into [1, 2), held within 2^-1000 and 2^1000
+ * so that the scale and its inverse are both normal numbers. 0 and NaN count as small. Held as a
+ * double, because lanes have no cheap comparison of 64-bit integers. */
 TRIBO_ALWAYS_INLINE uint64_t scale_exponent(double x)
 {
     const double size = absolute(x);

@@ -5,9 +5,9 @@
 
 #include <math.h>
 
-#define UNIT_TOLERANCE 1e-6    /* of quaternions, which are used as if normalised */
+#define UNIT_TOLERANCE 1e-6 /* of quaternions, which are used as if normalised */
 #define INERTIA_TOLERANCE 1e-12
-#define MAX_TURN 1e5           /* radians in one call of tribo_body_advance */
+#define MAX_TURN 1e5 /* radians in one call of tribo_body_advance */
 
 /* A body is doubles from its first field to its last, and is judged as one array of them. */
 enum { BODY_FIELDS = sizeof(tribo_body) / sizeof(double) };
@@ -94,8 +94,8 @@ tribo_status tribo_body_check(const tribo_body *body)
 
 /* ---- mass properties ------------------------------------------------------------------------- */
 
-static tribo_status check_shape(double density, const double *lengths, int count, const double *mass,
-                                const double *inertia)
+static tribo_status check_shape(double density, const double *lengths, int count,
+                                const double *mass, const double *inertia)
 {
     if (!lengths || !mass || !inertia) {
         return TRIBO_ERROR_NULL;
@@ -159,10 +159,10 @@ tribo_status tribo_mass_capsule(double density, double radius, double half_heigh
     const double h = half_height;
     const double barrel = 2.0 * PI * density * r2 * h;
     const double caps = 4.0 / 3.0 * PI * density * r2 * radius;
-    /* A half-ball's centre of mass lies 3/8 r from its face; about the capsule's centre the two caps
-     * give m (2/5 r^2 + h^2 + 3/4 h r) across the axis. */
-    const double across = barrel * (0.25 * r2 + h * h / 3.0) +
-                          caps * (0.4 * r2 + h * h + 0.75 * h * radius);
+    /* A half-ball's centre of mass lies 3/8 r from its face; about the capsule's centre the two
+     * caps give m (2/5 r^2 + h^2 + 3/4 h r) across the axis. */
+    const double across =
+        barrel * (0.25 * r2 + h * h / 3.0) + caps * (0.4 * r2 + h * h + 0.75 * h * radius);
     const double along = 0.5 * barrel * r2 + 0.4 * caps * r2;
     return write_mass(barrel + caps, across, across, along, mass, inertia);
 }
@@ -341,8 +341,8 @@ static double greatest_of(const double *x, int count)
 }
 
 /* One Taylor step of length h of L' = L x w, w = I^-1 L, q' = q (0, w) / 2, all in body axes:
- * (k+1) L_{k+1} = h sum_i L_i x w_{k-i}, and so for q. Returns 0 if the series has not settled within
- * MAX_ORDER terms; then h is too long. */
+ * (k+1) L_{k+1} = h sum_i L_i x w_{k-i}, and so for q. Returns 0 if the series has not settled
+ * within MAX_ORDER terms; then h is too long. */
 static int taylor_step(const double inverse_inertia[6], double h, spin_state *state)
 {
     double spin[MAX_ORDER + 1][3];
@@ -385,8 +385,8 @@ static int taylor_step(const double inverse_inertia[6], double h, spin_state *st
     return 1;
 }
 
-/* Free rotation over dt in as many steps as the series needs. Lengths are tied to |w| as it is at each
- * step, because a slender body may turn much faster later on. */
+/* Free rotation over dt in as many steps as the series needs. Lengths are tied to |w| as it is at
+ * each step, because a slender body may turn much faster later on. */
 static tribo_status turn_freely(const double inverse_inertia[6], double dt, spin_state *state)
 {
     const double spin_norm = tribo_vec3_norm(state->spin);

@@ -1,5 +1,5 @@
-/* Projections onto the friction cone and its dual for finite input of any size; shared by contact and
- * audit. */
+/* Projections onto the friction cone and its dual for finite input of any size; shared by contact
+ * and audit. */
 #ifndef TRIBO_CONE_H
 #define TRIBO_CONE_H
 
@@ -17,8 +17,9 @@ static inline double planar_length(double x, double y)
     return sqrt(sx * sx + sy * sy) / s;
 }
 
-/* Nearest point of { |p_t| <= mu p_n }. Outside of both cones it is (1, mu t)(n + mu r)/(1 + mu^2) with
- * r = |p_t|; for mu > 1 numerator and denominator are divided by mu^2, so nothing overflows. */
+/* Nearest point of { |p_t| <= mu p_n }. Outside of both cones it is (1, mu t)(n + mu r)/(1 + mu^2)
+ * with r = |p_t|; for mu > 1 numerator and denominator are divided by mu^2, so nothing
+ * overflows. */
 static inline void cone_project(const double p[3], double mu, double out[3])
 {
     const double n = p[0];

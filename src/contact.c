@@ -65,8 +65,8 @@ tribo_status tribo_contact_check(const tribo_contact *contact)
     return is_unit(contact->normal) ? TRIBO_OK : TRIBO_ERROR_NORMAL;
 }
 
-static void relative_velocity(const tribo_body *a, const tribo_body *b, const tribo_contact *contact,
-                              const double frame[9], double u[3])
+static void relative_velocity(const tribo_body *a, const tribo_body *b,
+                              const tribo_contact *contact, const double frame[9], double u[3])
 {
     double world[3];
     tribo_body_point_velocity(a, contact->arm_a, world);
@@ -225,7 +225,7 @@ tribo_status tribo_contact_apply(tribo_body *a, tribo_body *b, const tribo_conta
 /* ---- exact solve ----------------------------------------------------------------------------- */
 
 static tribo_status solve_unscaled(const double w[6], const double b[3], double mu_s, double mu_d,
-                            double p[3], tribo_solve_info *full)
+                                   double p[3], tribo_solve_info *full)
 {
     kernel_problem problem;
     double nu;
@@ -261,8 +261,8 @@ tribo_status tribo_contact_solve(const double w[6], const double b[3], double mu
     double impulse[3];
     const tribo_status status = solve_unscaled(w, b, mu_s, mu_d, impulse, &full);
     if (status == TRIBO_OK) {
-        full.nu = lesser(full.nu / power_of_two(scale_exponent(greatest_diagonal(w[0], w[3], w[5]))),
-                         DBL_MAX);
+        full.nu = lesser(
+            full.nu / power_of_two(scale_exponent(greatest_diagonal(w[0], w[3], w[5]))), DBL_MAX);
         memcpy(p, impulse, sizeof impulse);
         give_info(info, &full, info ? info->struct_size : 0);
     }
@@ -284,7 +284,8 @@ static tribo_status check_general(const double w[9], const double b[3], double m
     for (int i = 0; i < 3; i++) {
         greatest_b = greater(greatest_b, absolute(b[i]));
     }
-    if (greatest_w > TRIBO_LARGE || (greatest_w < TRIBO_SMALL && greatest_w > 0.0) || greatest_b > TRIBO_LARGE) {
+    if (greatest_w > TRIBO_LARGE || (greatest_w < TRIBO_SMALL && greatest_w > 0.0) ||
+        greatest_b > TRIBO_LARGE) {
         return TRIBO_ERROR_RANGE;
     }
     if (mu_d < 0.0 || mu_s < mu_d) {
@@ -374,7 +375,8 @@ static tribo_status check_coefficients(const tribo_material *pair, double e_t)
     return e_t >= -1.0 && e_t <= 1.0 ? TRIBO_OK : TRIBO_ERROR_RESTITUTION;
 }
 
-/* u+ and the energy, beyond double where they are nobody's concern but the caller's who asks for them. */
+/* u+ and the energy, beyond double where they are nobody's concern but the caller's who asks for
+ * them. */
 static tribo_status check_outcome(const tribo_impact_info *full)
 {
     return all_finite(full->velocity, 3) && all_finite(&full->energy, 1) ? TRIBO_OK

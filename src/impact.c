@@ -9,8 +9,8 @@ static double frictionless(const kernel_problem *k, double e, double p[3])
     return k->b1 == 0.0 && k->b2 == 0.0 ? KERNEL_STICK : KERNEL_SLIP;
 }
 
-/* S x = c by the larger pivot. A direction that rounding left without mobility gets no impulse, which keeps
- * every promise of the law. Returns 0 if S is not semidefinite. */
+/* S x = c by the larger pivot. A direction that rounding left without mobility gets no impulse,
+ * which keeps every promise of the law. Returns 0 if S is not semidefinite. */
 static int solve_by_pivot(const kernel_problem *k, const kernel_schur *s, double x[2])
 {
     const double size = k->t11 + k->t22;
@@ -27,15 +27,16 @@ static int solve_by_pivot(const kernel_problem *k, const kernel_schur *s, double
     }
     x[0] = x[1] = 0.0;
     if (pivot > nothing) {
-        const double across = det > nothing * pivot ? (c_other * pivot - s->s12 * c_pivot) / det : 0.0;
+        const double across =
+            det > nothing * pivot ? (c_other * pivot - s->s12 * c_pivot) / det : 0.0;
         x[second ? 0 : 1] = across;
         x[second ? 1 : 0] = (c_pivot - s->s12 * across) / pivot;
     }
     return 1;
 }
 
-static double algebraic(const kernel_problem *k, const tribo_material *pair, double e_t, double p[3],
-                        tribo_impact_info *info)
+static double algebraic(const kernel_problem *k, const tribo_material *pair, double e_t,
+                        double p[3], tribo_impact_info *info)
 {
     kernel_algebraic result;
     kernel_solve_algebraic(k, pair->mu_s, pair->mu_d, pair->e, e_t, &result);
@@ -54,7 +55,7 @@ static double algebraic(const kernel_problem *k, const tribo_material *pair, dou
 }
 
 static double coulomb(const kernel_problem *k, const tribo_material *pair, double p[3],
-                       tribo_impact_info *info)
+                      tribo_impact_info *info)
 {
     kernel_problem bouncing = *k;
     double nu;
@@ -74,7 +75,8 @@ static double lecture_share(const kernel_problem *k, const tribo_material *pair,
 }
 
 /* p = W^-1 (wanted change of velocity), through the Schur complement of W_nn. */
-static double lecture(const kernel_problem *k, const tribo_material *pair, uint32_t law, double p[3])
+static double lecture(const kernel_problem *k, const tribo_material *pair, uint32_t law,
+                      double p[3])
 {
     const double share = lecture_share(k, pair, law);
     const double change[3] = {-(1.0 + pair->e) * k->bn, -share * k->b1, -share * k->b2};
@@ -109,7 +111,7 @@ static int is_semidefinite(const kernel_problem *k)
 }
 
 double impact_scaled(const kernel_problem *problem, const tribo_material *pair,
-                      const tribo_impact_options *options, double p[3], tribo_impact_info *info)
+                     const tribo_impact_options *options, double p[3], tribo_impact_info *info)
 {
     p[0] = p[1] = p[2] = 0.0;
     if (problem->bn >= 0.0) {

@@ -1,8 +1,9 @@
-/* The arithmetic of one contact, free of branches, so that the scalar functions (contact.c) and the lanes
- * (batch_lanes.c) are one source and give the same bits.
+/* The arithmetic of one contact, free of branches, so that the scalar functions (contact.c) and the
+ * lanes (batch_lanes.c) are one source and give the same bits.
  *
- * Everything here works on a contact matrix and a velocity that were scaled by powers of two to greatest
- * entries in [1, 2). Notation as in contact.h; a = W_nn, w = (n1, n2), S the Schur complement of W_nn. */
+ * Everything here works on a contact matrix and a velocity that were scaled by powers of two to
+ * greatest entries in [1, 2). Notation as in contact.h; a = W_nn, w = (n1, n2), S the Schur
+ * complement of W_nn. */
 #ifndef TRIBO_KERNEL_H
 #define TRIBO_KERNEL_H
 
@@ -11,8 +12,9 @@
 #include <float.h>
 #include <math.h>
 
-/* What becomes of a problem; the first four are the public modes, faults stand in the order in which they
- * are reported. Held in doubles, because lanes select doubles by comparisons of doubles. */
+/* What becomes of a problem; the first four are the public modes, faults stand in the order in
+ * which they are reported. Held in doubles, because lanes select doubles by comparisons of
+ * doubles. */
 #define KERNEL_OPEN 0.0
 #define KERNEL_STICK 1.0
 #define KERNEL_SLIP 2.0
@@ -101,8 +103,9 @@ TRIBO_ALWAYS_INLINE void kernel_reduce(const kernel_problem *k, kernel_schur *ou
  *     D p_t = c nu + e,   a D p_n = -(b_n D + w . (c nu + e)),
  * so mu p_n = |p_t|, times a D, is N(nu) = sqrt(q(nu)) with plain quadratics
  *     N = A nu^2 + B nu + C,   q = alpha nu^2 + 2 beta nu + gamma   (a^2 is inside q).
- * Squaring that into a quartic is what loses digits elsewhere. adj(S) loses eps (trace S)^2 / det S, no
- * more than 1e-12 where det S >= FAST_CONDITION (trace S)^2; bodies of any usual shape have 1e-2. */
+ * Squaring that into a quartic is what loses digits elsewhere. adj(S) loses eps (trace S)^2 / det
+ * S, no more than 1e-12 where det S >= FAST_CONDITION (trace S)^2; bodies of any usual shape have
+ * 1e-2. */
 typedef struct kernel_slip {
     double inverse_a, bn, n1, n2, c1, c2, e1, e2, trace, det;
     double mu_s, inverse_mu;
@@ -112,10 +115,10 @@ typedef struct kernel_slip {
     double mode; /* OPEN, STICK, SLIP or ODD */
 } kernel_slip;
 
-/* First guess of nu; returns sqrt q(0), the side of the equation that sticking is measured against. sqrt q is
- * convex, so its tangents at 0 and at infinity lie below it, and with either in place of sqrt q the slip
- * equation is a quadratic whose greater root lies left of the greatest root wanted. The greater of the two
- * needs 1.4 to 2 steps on average. */
+/* First guess of nu; returns sqrt q(0), the side of the equation that sticking is measured against.
+ * sqrt q is convex, so its tangents at 0 and at infinity lie below it, and with either in place of
+ * sqrt q the slip equation is a quadratic whose greater root lies left of the greatest root wanted.
+ * The greater of the two needs 1.4 to 2 steps on average. */
 TRIBO_ALWAYS_INLINE double kernel_guess(kernel_slip *e)
 {
     const double near_side = sqrt(e->gamma);
@@ -179,10 +182,10 @@ TRIBO_ALWAYS_INLINE void kernel_prepare(const kernel_problem *k, double mu_s, do
     out->mode = sound ? mode : KERNEL_ODD;
 }
 
-/* One Halley step on mu p_n / |p_t| - 1 = N / sqrt q - 1, nearly linear in nu; cubic convergence for
- * the one square root and one division of Newton's. With T = N' q - N q'/2 the first two derivatives are
- * T / q^1.5 and (T' - 3 T q'/(2q)) / q^1.5. A step beyond 0 ends at 0. Returns 1 once a further step
- * cannot change the result. */
+/* One Halley step on mu p_n / |p_t| - 1 = N / sqrt q - 1, nearly linear in nu; cubic convergence
+ * for the one square root and one division of Newton's. With T = N' q - N q'/2 the first two
+ * derivatives are T / q^1.5 and (T' - 3 T q'/(2q)) / q^1.5. A step beyond 0 ends at 0. Returns 1
+ * once a further step cannot change the result. */
 TRIBO_ALWAYS_INLINE int kernel_halley(const kernel_slip *e, double *nu)
 {
     const double x = *nu;
@@ -201,9 +204,9 @@ TRIBO_ALWAYS_INLINE int kernel_halley(const kernel_slip *e, double *nu)
     return absolute(step) <= STEP_TOLERANCE * (moved + e->least);
 }
 
-/* Impulse of the scaled problem from nu (slip) or nu = 0 (stick). Slip takes p_n from |p_t| = mu p_n, so the
- * cone holds to an ulp or two also where p_n is a small difference; a stick that rounding left just
- * outside of the cone is brought back. */
+/* Impulse of the scaled problem from nu (slip) or nu = 0 (stick). Slip takes p_n from |p_t| = mu
+ * p_n, so the cone holds to an ulp or two also where p_n is a small difference; a stick that
+ * rounding left just outside of the cone is brought back. */
 TRIBO_ALWAYS_INLINE void kernel_finish(const kernel_slip *e, double nu, int slips, double p[3])
 {
     const double inverse = 1.0 / ((nu + e->trace) * nu + e->det);
@@ -228,8 +231,8 @@ typedef struct kernel_algebraic {
 
 /* From x = S^-1 c, the tangential part of the sticking impulse P_II. */
 TRIBO_ALWAYS_INLINE void kernel_scale_algebraic(const kernel_problem *k, double inverse_a,
-                                                const double x[2], double mu_s, double mu_d, double e,
-                                                double e_t, kernel_algebraic *out)
+                                                const double x[2], double mu_s, double mu_d,
+                                                double e, double e_t, kernel_algebraic *out)
 {
     /* P_I = plastic n, P_II - P_I = (coupling, x). */
     const double plastic = -k->bn * inverse_a;
@@ -263,15 +266,16 @@ TRIBO_ALWAYS_INLINE void kernel_solve_algebraic(const kernel_problem *k, double 
                          (s.s11 * s.c2 - s.s12 * s.c1) * inverse};
     kernel_scale_algebraic(k, s.inverse_a, x, mu_s, mu_d, e, e_t, out);
     const int sound = (det >= FAST_CONDITION * (trace * trace)) & (trace > 0.0) & (mu_d >= 0.0) &
-                      (mu_s >= mu_d) & (mu_s <= DBL_MAX) & (e >= 0.0) & (e <= 1.0) &
-                      (e_t >= -1.0) & (e_t <= 1.0) & (k->fault == KERNEL_OPEN);
+                      (mu_s >= mu_d) & (mu_s <= DBL_MAX) & (e >= 0.0) & (e <= 1.0) & (e_t >= -1.0) &
+                      (e_t <= 1.0) & (k->fault == KERNEL_OPEN);
     out->mode = sound ? out->mode : KERNEL_ODD;
 }
 
 /* What one body adds to W: x_k . J x_l with x_k = R^T (r x n_k), in body axes. A diagonal J saves
  * products with zero, which change no bit but the signs of zeros. */
 TRIBO_ALWAYS_INLINE void kernel_add_mobility(const double r[9], const double j[6], int diagonal,
-                                             const double arm[3], const double frame[9], double w[6])
+                                             const double arm[3], const double frame[9],
+                                             double w[6])
 {
     double x[3][3];
     double z[3][3];

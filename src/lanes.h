@@ -1,4 +1,5 @@
-/* The lane kernels: batch_lanes.c is compiled once per instruction set, and each copy defines one table. */
+/* The lane kernels: batch_lanes.c is compiled once per instruction set, and each copy defines one
+ * table. */
 #ifndef TRIBO_LANES_H
 #define TRIBO_LANES_H
 
@@ -6,7 +7,8 @@
 
 enum { LANES = 8 };
 
-/* All arrays as in batch.h, and so are null pointers. Each returns the first status that is not TRIBO_OK. */
+/* All arrays as in batch.h, and so are null pointers. Each returns the first status that is not
+ * TRIBO_OK. */
 typedef struct lanes_table {
     tribo_status (*matrix)(size_t body_count, const tribo_body *bodies, size_t count,
                            const uint32_t *pairs, const tribo_contact *contacts, double *frames,
@@ -37,11 +39,13 @@ static inline void lanes_give(tribo_status status, uint32_t mode, size_t i, uint
     *first = *first == TRIBO_OK ? status : *first;
 }
 
-/* Judge the bodies of one contact; ends receives A and B (an immovable body stands in for the world). */
+/* Judge the bodies of one contact; ends receives A and B (an immovable body stands in for the
+ * world). */
 tribo_status lanes_check_pair(size_t body_count, const tribo_body *bodies, const uint32_t pair[2],
                               const tribo_body *ends[2]);
 
-/* Contact i alone, by the functions of contact.h: the scalar loop, and lanes that want a closer look. */
+/* Contact i alone, by the functions of contact.h: the scalar loop, and lanes that want a closer
+ * look. */
 void lanes_solve_one(const double *w, const double *b, const double *mu, size_t i, double *p,
                      uint32_t *modes, tribo_status *statuses, tribo_status *first);
 void lanes_impact_one(const double *w, const double *u, const tribo_material *pairs, size_t i,

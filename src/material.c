@@ -31,7 +31,8 @@ tribo_status tribo_material_check(const tribo_material *material)
     return material->e >= 0.0 && material->e <= 1.0 ? TRIBO_OK : TRIBO_ERROR_RESTITUTION;
 }
 
-/* The means are formed at a scale where they neither over- nor underflow; equal values stay as they are. */
+/* The means are formed at a scale where they neither over- nor underflow; equal values stay as they
+ * are. */
 static double mix(double a, double b, uint32_t rule)
 {
     switch (rule) {

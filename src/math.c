@@ -68,7 +68,8 @@ void tribo_mat3_multiply(const double a[9], const double b[9], double out[9])
     double product[9];
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++) {
-            product[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
+            product[3 * i + j] =
+                a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
         }
     }
     memcpy(out, product, sizeof product);
@@ -216,7 +217,8 @@ double tribo_quat_angle(const double a[4], const double b[4])
 
 /* ---- elementary functions -------------------------------------------------------------------- */
 
-/* pi/2 in three pieces of 33 bits and a rest: the product of a piece with an integer up to 2^20 is exact. */
+/* pi/2 in three pieces of 33 bits and a rest: the product of a piece with an integer up to 2^20 is
+ * exact. */
 #define PIO2_A 1.57079632673412561417e+00
 #define PIO2_B 6.07710050630396597660e-11
 #define PIO2_C 2.02226624871116645580e-21
@@ -251,10 +253,9 @@ void tribo_sin_cos(double x, double *sine, double *cosine)
     const double pc =
         1.0 / 24 +
         z * (-1.0 / 720 +
-             z * (1.0 / 40320 +
-                  z * (-1.0 / 3628800 +
-                       z * (1.0 / 479001600.0 +
-                            z * (-1.0 / 87178291200.0 + z * (1.0 / 20922789888000.0))))));
+             z * (1.0 / 40320 + z * (-1.0 / 3628800 + z * (1.0 / 479001600.0 +
+                                                           z * (-1.0 / 87178291200.0 +
+                                                                z * (1.0 / 20922789888000.0))))));
     const double half = 0.5 * z;
     const double sin_r = r + (r * z * ps + r_low * (1.0 - half));
     const double head = 1.0 - half;
@@ -279,8 +280,8 @@ static const double atan_eighths[9][2] = {
     {0.7853981633974483, 3.061616997868383e-17},
 };
 
-/* Angle of (x, y) for 0 <= y <= x: atan(i/8) + atan of the small rest, i/8 near y/x. What does not fit into
- * the result goes to `low`. i = 1 only from 0.1 on: below, its two parts would cancel. */
+/* Angle of (x, y) for 0 <= y <= x: atan(i/8) + atan of the small rest, i/8 near y/x. What does not
+ * fit into the result goes to `low`. i = 1 only from 0.1 on: below, its two parts would cancel. */
 static double octant_angle(double y, double x, double *low)
 {
     const double slope = y / x;
@@ -293,8 +294,7 @@ static double octant_angle(double y, double x, double *low)
              z * (1.0 / 5 +
                   z * (-1.0 / 7 +
                        z * (1.0 / 9 +
-                            z * (-1.0 / 11 +
-                                 z * (1.0 / 13 + z * (-1.0 / 15 + z * (1.0 / 17))))))));
+                            z * (-1.0 / 11 + z * (1.0 / 13 + z * (-1.0 / 15 + z * (1.0 / 17))))))));
     const double rest = atan_eighths[i][1] + (t + t * p);
     const double angle = atan_eighths[i][0] + rest;
     *low = (atan_eighths[i][0] - angle) + rest;

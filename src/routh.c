@@ -1,19 +1,22 @@
-/* Routh's impact law: Coulomb friction along the growing normal impulse (Keller, J. Appl. Mech. 53 (1986) 1).
+/* Routh's impact law: Coulomb friction along the growing normal impulse (Keller, J. Appl. Mech. 53
+ * (1986) 1).
  *
  * While the contact slips with s = u_t / |u_t|,
  *     du_t/dp_n = w - mu D s,   du_n/dp_n = a - mu w . s,   dp_t/dp_n = -mu s,
  * a = W_nn, w = W_tn, D = W_tt. Three kinds of pieces follow each other:
- *  - s turns: a step of a Taylor series in tau, dp_n = |u_t| dtau, in which the equations are polynomial but
- *    for r = |u_t|, whose series follows from r^2 = x^2 + y^2;
+ *  - s turns: a step of a Taylor series in tau, dp_n = |u_t| dtau, in which the equations are
+ *    polynomial but for r = |u_t|, whose series follows from r^2 = x^2 + y^2;
  *  - s has settled (its rate depends on s alone, so it stays): everything is linear in p_n;
- *  - u_t = 0: it stays if friction can hold it, |D^-1 w| <= mu_s, else slip starts along the one s with
- *    (mu D + k) s = w, k > 0. Linear as well.
+ *  - u_t = 0: it stays if friction can hold it, |D^-1 w| <= mu_s, else slip starts along the one s
+ *    with (mu D + k) s = w, k > 0. Linear as well.
  * Compression ends at u_n = 0; restitution by Newton's, Poisson's or Stronge's hypothesis. */
 #include "impact.h"
 
 enum { ORDER = 20, MAX_PIECES = 4000 };
-#define SETTLED 1e-16      /* turning rate of s, relative, below which its direction counts as constant */
-#define STOPPED 1e-16      /* |u_t| relative to the velocity at the start that counts as zero */
+#define SETTLED \
+    1e-16             /* turning rate of s, relative, below which its direction counts as
+                              constant */
+#define STOPPED 1e-16 /* |u_t| relative to the velocity at the start that counts as zero */
 #define SERIES_ERROR 1e-17
 
 typedef struct routh_state {
@@ -25,13 +28,13 @@ typedef struct routh_state {
 typedef struct routh_problem {
     double a, w[2], d[3]; /* d = (11, 12, 22) */
     double mu_s, mu_d, e;
-    double rate;          /* |w| + mu |D|: bound of the rates in tau */
+    double rate; /* |w| + mu |D|: bound of the rates in tau */
     uint32_t law;
-    double start;         /* u_n before the impact */
+    double start; /* u_n before the impact */
     int restituting;
-    double compression;   /* p_n at greatest compression */
-    double spent;         /* integral of u_n dp_n up to there, negative */
-    double goal;          /* u_n, p_n or work at which restitution ends, by law */
+    double compression; /* p_n at greatest compression */
+    double spent;       /* integral of u_n dp_n up to there, negative */
+    double goal;        /* u_n, p_n or work at which restitution ends, by law */
 } routh_problem;
 
 /* Rates per unit of p_n in a linear piece. */
@@ -120,8 +123,8 @@ static void advance_linearly(const routh_slope *slope, double length, routh_stat
     }
 }
 
-/* Go along until slip stops (after `room` of normal impulse; negative: never) or the impact ends. Returns 1
- * at the end, -1 if it never comes. */
+/* Go along until slip stops (after `room` of normal impulse; negative: never) or the impact ends.
+ * Returns 1 at the end, -1 if it never comes. */
 static int run_linearly(routh_problem *c, const routh_slope *slope, double room, routh_state *state)
 {
     for (;;) {
@@ -175,8 +178,8 @@ static routh_basis tangent_basis(const routh_problem *c)
     basis.x = half >= 0.0 ? cx : cy;
     basis.y = half >= 0.0 ? cy : cx;
     basis.lam[0] = 0.5 * (c->d[0] + c->d[2]) + r;
-    basis.lam[1] = basis.lam[0] > 0.0
-                       ? (c->d[0] * c->d[2] - c->d[1] * c->d[1]) / basis.lam[0] : 0.0;
+    basis.lam[1] =
+        basis.lam[0] > 0.0 ? (c->d[0] * c->d[2] - c->d[1] * c->d[1]) / basis.lam[0] : 0.0;
     basis.w[0] = basis.x * c->w[0] + basis.y * c->w[1];
     basis.w[1] = basis.x * c->w[1] - basis.y * c->w[0];
     return basis;
@@ -397,7 +400,7 @@ static int run_slip(routh_problem *c, double r, int force_linear, routh_state *s
 }
 
 double routh_scaled(const kernel_problem *problem, const tribo_material *pair, uint32_t law,
-                     double p[3], tribo_impact_info *info)
+                    double p[3], tribo_impact_info *info)
 {
     routh_problem c = {0};
     routh_state state = {0};

@@ -1,15 +1,17 @@
-/* Branch-free bodies of the contact basis and of the rotation matrix, shared by the scalar functions and
- * the lanes: one source of the bits. */
+/* Branch-free bodies of the contact basis and of the rotation matrix, shared by the scalar
+ * functions and the lanes: one source of the bits. */
 #ifndef TRIBO_ROWS_H
 #define TRIBO_ROWS_H
 
 #include "bits.h"
 
-/* Below this n_x^2 + n_y^2 the normal counts as (0, 0, -1): t1 and t2 are then orthogonal to n to 1e-150. */
+/* Below this n_x^2 + n_y^2 the normal counts as (0, 0, -1): t1 and t2 are then orthogonal to n to
+ * 1e-150. */
 #define TRIBO_POLE 1e-300
 
-/* t1 = (1 - c x^2, -c x y, -x), t2 = (-c x y, 1 - c y^2, -y), c = 1/(1+z) = (1-z)/(x^2+y^2). The second
- * form does not cancel where z is near -1. 0 - a instead of -a: zeros of either sign give the same bits. */
+/* t1 = (1 - c x^2, -c x y, -x), t2 = (-c x y, 1 - c y^2, -y), c = 1/(1+z) = (1-z)/(x^2+y^2). The
+ * second form does not cancel where z is near -1. 0 - a instead of -a: zeros of either sign give
+ * the same bits. */
 TRIBO_ALWAYS_INLINE void basis_rows(double x, double y, double z, double *frame)
 {
     const double h = x * x + y * y;

@@ -11,8 +11,8 @@ typedef struct slide {
     double drive; /* of what c was subtracted from, scaled as c */
 } slide;
 
-/* Solve by elimination with the larger pivot; returns 0 where it is singular. A right-hand side of zero
- * has the solution zero whatever S is. */
+/* Solve by elimination with the larger pivot; returns 0 where it is singular. A right-hand side of
+ * zero has the solution zero whatever S is. */
 static int solve_shifted(const slide *e, double nu, double p[2])
 {
     const double m[4] = {e->s[0] + nu, e->s[1], e->s[2], e->s[3] + nu};
@@ -46,8 +46,8 @@ static double normal_impulse(const solve_general *g, const slide *e, const doubl
     return -(g->bn + (g->row[0] * p[0] + g->row[1] * p[1]) / e->scale) / g->nn;
 }
 
-/* 1 if mu p_n >= |p_t| at this nu: to the right of the root. Both sides times 1 + nu, against underflow
- * of p_t where nu is huge. */
+/* 1 if mu p_n >= |p_t| at this nu: to the right of the root. Both sides times 1 + nu, against
+ * underflow of p_t where nu is huge. */
 static int friction_suffices(const solve_general *g, const slide *e, double mu, double nu)
 {
     double p[2];
@@ -59,8 +59,8 @@ static int friction_suffices(const solve_general *g, const slide *e, double mu, 
     return (1.0 + nu) * normal_impulse(g, e, p) * mu * e->scale >= sqrt(x * x + y * y);
 }
 
-/* Bisection on the bit pattern halves the number of doubles between the ends: at most 64 steps, to the last
- * bit. */
+/* Bisection on the bit pattern halves the number of doubles between the ends: at most 64 steps, to
+ * the last bit. */
 static double bisect(const solve_general *g, const slide *e, double mu, double low, double high,
                      uint32_t *iterations)
 {
@@ -92,8 +92,8 @@ static int make_slide(const solve_general *g, slide *e)
 {
     const double l0 = g->column[0] / g->nn;
     const double l1 = g->column[1] / g->nn;
-    const double size = absolute(g->d[0]) + absolute(g->d[3]) + absolute(l0 * g->row[0]) +
-                        absolute(l1 * g->row[1]);
+    const double size =
+        absolute(g->d[0]) + absolute(g->d[3]) + absolute(l0 * g->row[0]) + absolute(l1 * g->row[1]);
     e->s[0] = g->d[0] - l0 * g->row[0];
     e->s[1] = g->d[1] - l0 * g->row[1];
     e->s[2] = g->d[2] - l1 * g->row[0];
@@ -109,8 +109,7 @@ static int make_slide(const solve_general *g, slide *e)
     /* Friction must not be able to gain energy by itself: the symmetric part is semidefinite. */
     const double off = 0.5 * (e->s[1] + e->s[2]);
     const double least = -SEMIDEFINITE_TOLERANCE * size;
-    return e->s[0] >= least && e->s[3] >= least &&
-           e->s[0] * e->s[3] - off * off >= least * size;
+    return e->s[0] >= least && e->s[3] >= least && e->s[0] * e->s[3] - off * off >= least * size;
 }
 
 static void write_impulse(const solve_general *g, const slide *e, double mu, int slips,
@@ -129,8 +128,8 @@ static void write_impulse(const solve_general *g, const slide *e, double mu, int
     out[2] = f * p[1] / e->scale;
 }
 
-/* 1 if p solves the problem to 1e-9 of the velocities that it is made of: v_n = 0 and v_t = -nu p_t. On a W
- * that is singular to rounding, an answer may look right on the way and be none. */
+/* 1 if p solves the problem to 1e-9 of the velocities that it is made of: v_n = 0 and v_t = -nu
+ * p_t. On a W that is singular to rounding, an answer may look right on the way and be none. */
 static int is_certified(const solve_general *g, const double p[3], double nu)
 {
     const double rows[3][3] = {{g->nn, g->row[0], g->row[1]},
@@ -152,7 +151,7 @@ static int is_certified(const solve_general *g, const double p[3], double nu)
 }
 
 double solve_by_bisection(const solve_general *problem, double mu_s, double mu_d, double p[3],
-                           double *nu, uint32_t *iterations)
+                          double *nu, uint32_t *iterations)
 {
     slide e;
     double p_t[2] = {0.0, 0.0};
@@ -167,7 +166,7 @@ double solve_by_bisection(const solve_general *problem, double mu_s, double mu_d
     if (mu_s == 0.0) {
         write_impulse(problem, &e, 0.0, 0, p_t, p);
         return absolute(e.c[0]) + absolute(e.c[1]) > SINGULAR_TOLERANCE * e.drive ? KERNEL_SLIP
-                                                                               : KERNEL_STICK;
+                                                                                  : KERNEL_STICK;
     }
     ++*iterations;
     if (friction_suffices(problem, &e, mu_s, 0.0)) {
@@ -186,8 +185,8 @@ double solve_by_bisection(const solve_general *problem, double mu_s, double mu_d
         *nu = high;
         return KERNEL_SLIP;
     }
-    /* Where S is singular, a root below its rounding is none: friction suffices however small nu is, but
-     * nothing can stick. */
+    /* Where S is singular, a root below its rounding is none: friction suffices however small nu
+     * is, but nothing can stick. */
     const double low = solve_shifted(&e, 0.0, p_t) ? 0.0 : 8.0 * SINGULAR_TOLERANCE * e.size;
     if (low > 0.0 && friction_suffices(problem, &e, mu_d, low)) {
         return KERNEL_JAM;
@@ -200,9 +199,10 @@ double solve_by_bisection(const solve_general *problem, double mu_s, double mu_d
     return is_certified(problem, p, *nu) ? KERNEL_SLIP : KERNEL_MATRIX;
 }
 
-/* ---- spectral path ----------------------------------------------------------------------------- */
+/* ---- spectral path --------------------------------------------------------------------------- */
 
-/* S in its eigenbasis: what costs a little more than adj(S) and keeps its digits down to the last. */
+/* S in its eigenbasis: what costs a little more than adj(S) and keeps its digits down to the
+ * last. */
 typedef struct spectrum {
     double lam1, lam2; /* lam1 >= lam2 */
     double x, y;       /* unit eigenvector of lam1 */
@@ -230,7 +230,8 @@ static spectrum decompose(const kernel_problem *k, const kernel_schur *s)
     return e;
 }
 
-/* The slip equation from its terms in the eigenbasis; returns 1 if sticking is within the cone of mu_s. */
+/* The slip equation from its terms in the eigenbasis; returns 1 if sticking is within the cone of
+ * mu_s. */
 static int pose_spectral(const kernel_problem *k, const spectrum *e, double mu_s, double mu_d,
                          kernel_slip *out)
 {
@@ -274,7 +275,7 @@ static int settle(kernel_slip *e, double *nu, uint32_t *iterations)
     return settled;
 }
 
-/* ---- what the branch-free path leaves ----------------------------------------------------------- */
+/* ---- what the branch-free path leaves -------------------------------------------------------- */
 
 static double find_fault(const kernel_problem *k, double mu_s, double mu_d)
 {
@@ -298,7 +299,8 @@ static double bisect_symmetric(const kernel_problem *k, double mu_s, double mu_d
                                double *nu, uint32_t *iterations)
 {
     const solve_general g = {
-        k->nn, {k->n1, k->n2}, {k->n1, k->n2}, {k->t11, k->t12, k->t12, k->t22}, k->bn, {k->b1, k->b2},
+        k->nn, {k->n1, k->n2}, {k->n1, k->n2}, {k->t11, k->t12, k->t12, k->t22},
+        k->bn, {k->b1, k->b2},
     };
     return solve_by_bisection(&g, mu_s, mu_d, p, nu, iterations);
 }

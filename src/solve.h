@@ -1,4 +1,5 @@
-/* The exact solve of one scaled problem, and the bisection behind it; shared by contact and batch. */
+/* The exact solve of one scaled problem, and the bisection behind it; shared by contact and
+ * batch. */
 #ifndef TRIBO_SOLVE_H
 #define TRIBO_SOLVE_H
 
@@ -15,11 +16,11 @@ typedef struct solve_general {
 
 /* Impulse p of the scaled problem by bisection. Returns the mode (OPEN to JAM) or KERNEL_MATRIX. */
 double solve_by_bisection(const solve_general *problem, double mu_s, double mu_d, double p[3],
-                           double *nu, uint32_t *iterations);
+                          double *nu, uint32_t *iterations);
 
 /* The exact solve of a scaled problem; returns its mode or fault. */
 double solve_scaled(const kernel_problem *problem, double mu_s, double mu_d, double p[3],
-                     double *nu, uint32_t *iterations);
+                    double *nu, uint32_t *iterations);
 
 /* The public status of a KERNEL_ mode or fault. */
 tribo_status status_of_mode(double mode);

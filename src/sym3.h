@@ -1,10 +1,12 @@
-/* Symmetric positive semidefinite 3x3 matrices (00, 01, 02, 11, 12, 22), shared by body and audit. */
+/* Symmetric positive semidefinite 3x3 matrices (00, 01, 02, 11, 12, 22), shared by body and
+ * audit. */
 #ifndef TRIBO_SYM3_H
 #define TRIBO_SYM3_H
 
 #include "bits.h"
 
-/* 1 if the matrix is positive semidefinite, up to `tolerance` relative to the diagonal in each minor. */
+/* 1 if the matrix is positive semidefinite, up to `tolerance` relative to the diagonal in each
+ * minor. */
 static inline int sym3_is_semidefinite(const double m[6], double tolerance)
 {
     if (m[0] < 0.0 || m[3] < 0.0 || m[5] < 0.0) {
@@ -28,9 +30,9 @@ static inline int sym3_is_semidefinite(const double m[6], double tolerance)
     return determinant >= -4.0 * tolerance * (a * d * f);
 }
 
-/* Inverse of a positive definite matrix, L^-T D^-1 L^-1 of its Cholesky factors: cofactors would lose eps
- * cond^2. Scaled against overflow. Returns 0, and writes nothing, where it is singular or the inverse is not
- * finite. */
+/* Inverse of a positive definite matrix, L^-T D^-1 L^-1 of its Cholesky factors: cofactors would
+ * lose eps cond^2. Scaled against overflow. Returns 0, and writes nothing, where it is singular or
+ * the inverse is not finite. */
 static inline int sym3_invert(const double m[6], double out[6])
 {
     const double s = power_of_two(scale_exponent(greater(m[0], greater(m[3], m[5]))));
@@ -51,8 +53,12 @@ static inline int sym3_invert(const double m[6], double out[6])
     const double i2 = s / d2;
     const double k20 = l10 * l21 - l20; /* of L^-1, whose other entries are -l10 and -l21 */
     const double inverse[6] = {
-        i0 + l10 * l10 * i1 + k20 * k20 * i2, -l10 * i1 - k20 * l21 * i2, k20 * i2,
-        i1 + l21 * l21 * i2,                  -l21 * i2,                  i2,
+        i0 + l10 * l10 * i1 + k20 * k20 * i2,
+        -l10 * i1 - k20 * l21 * i2,
+        k20 * i2,
+        i1 + l21 * l21 * i2,
+        -l21 * i2,
+        i2,
     };
     if (!all_finite(inverse, 6)) {
         return 0;

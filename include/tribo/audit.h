@@ -1,7 +1,7 @@
 /**
  * @file audit.h
- * The lecture's "Debugging the collision resolution" as functions: what a step conserved and how far an
- * impulse is from Coulomb's law. All measures are without dimension unless a unit is given.
+ * The lecture's "Debugging the collision resolution" as functions: what a step conserved and how
+ * far an impulse is from Coulomb's law. All measures are without dimension unless a unit is given.
  *
  * Shapes and the rules on aliasing, threads and NaN: see base.h.
  */
@@ -14,9 +14,10 @@
 extern "C" {
 #endif
 
-/* ---- bodies: momentum and energy ---------------------------------------------------------------------- */
+/* ---- bodies: momentum and energy ------------------------------------------------------------ */
 
-/** Totals over bodies. Bodies with zero inverse mass have no finite momentum and are left out. 80 bytes. */
+/** Totals over bodies. Bodies with zero inverse mass have no finite momentum and are left out. 80
+ *  bytes. */
 typedef struct tribo_totals {
     double linear[3];     /**< sum m v, kg m/s */
     double angular[3];    /**< sum (x - origin) x m v + I omega about one common point, kg m^2/s */
@@ -43,18 +44,18 @@ typedef struct tribo_change {
 TRIBO_API tribo_status tribo_audit_change(const tribo_totals *before, const tribo_totals *after,
                                           tribo_change *out);
 
-/* ---- contacts: distance from Coulomb's law -------------------------------------------------------------- */
+/* ---- contacts: distance from Coulomb's law -------------------------------------------------- */
 
-/** Measures of an impulse p for the problem v = W p + b with coefficient mu. Scales: V = |b| + the norm
- *  of |W||p| (entrywise absolute values), P = V / greatest W_ii. */
+/** Measures of an impulse p for the problem v = W p + b with coefficient mu. Scales: V = |b| + the
+ *  norm of |W||p| (entrywise absolute values), P = V / greatest W_ii. */
 typedef struct tribo_measures {
     double eta;          /**< natural map |p - P_K(p - rho (v + mu |v_t| e_n))| / P,
                               rho = 1 / (greatest W_ii max(1, mu)): 0 at, and only at, a solution */
     double signorini;    /**< |min(v_n / V, p_n / P)| */
     double cone;         /**< max(0, |p_t| - mu p_n) / P */
     double misalignment; /**< | |v_t| p_t + mu p_n v_t | / (P V): friction not opposite to slip */
-    double energy;       /**< p . (b + v) / 2 / (P V): change of energy, signed, b the velocity before
-                              (e = 0) */
+    double energy;       /**< p . (b + v) / 2 / (P V): change of energy, signed, b the velocity
+                              before (e = 0) */
     double velocity;     /**< v_n, m/s: the separating velocity */
 } tribo_measures;
 
@@ -64,10 +65,11 @@ typedef struct tribo_measures {
 TRIBO_API tribo_status tribo_audit_contact(const double w[6], const double b[3], double mu,
                                            const double p[3], tribo_measures *out);
 
-/** Measures of an impact: those of tribo_audit_contact for b = ((1+e) u_n, u_t) and the coefficient that
- *  fits p (mu_s if p leaves no sliding velocity, else mu_d), but with `energy` = p . (u- + u+) / 2 / (P V),
- *  the true change, and `velocity` the deviation (u_n+ + e u_n-) / V from Newton's restitution.
- *  eta is then the distance of any law's impulse from Coulomb's law with Newton's restitution.
+/** Measures of an impact: those of tribo_audit_contact for b = ((1+e) u_n, u_t) and the coefficient
+ *  that fits p (mu_s if p leaves no sliding velocity, else mu_d), but with `energy` = p . (u- + u+)
+ *  / 2 / (P V), the true change, and `velocity` the deviation (u_n+ + e u_n-) / V from Newton's
+ *  restitution. eta is then the distance of any law's impulse from Coulomb's law with Newton's
+ *  restitution.
  *  @return as tribo_audit_contact, TRIBO_ERROR_FRICTION, TRIBO_ERROR_RESTITUTION. */
 TRIBO_API tribo_status tribo_audit_impact(const double w[6], const double u[3],
                                           const tribo_material *pair, const double p[3],
@@ -78,8 +80,8 @@ TRIBO_API tribo_status tribo_audit_impact(const double w[6], const double u[3],
  *  @param mu    width 1
  *  @param max   may be null
  *  @param rms   may be null
- *  @return TRIBO_ERROR_NULL, or a status of tribo_audit_contact for the first bad contact. count = 0
- *          gives zeros. */
+ *  @return TRIBO_ERROR_NULL, or a status of tribo_audit_contact for the first bad contact. count =
+ *          0 gives zeros. */
 TRIBO_API tribo_status tribo_audit_contacts(size_t count, const double *w, const double *b,
                                             const double *mu, const double *p, tribo_measures *max,
                                             tribo_measures *rms);

@@ -4,19 +4,19 @@
  *
  * Rules, stated once and true everywhere:
  * - Units are SI: metre, kilogram, second, radian. Impulses are N s.
- * - Vectors are double[3], quaternions double[4] as (w, x, y, z), 3x3 matrices double[9] row by row,
- *   symmetric 3x3 matrices double[6] as (00, 01, 02, 11, 12, 22).
+ * - Vectors are double[3], quaternions double[4] as (w, x, y, z), 3x3 matrices double[9] row by
+ *   row, symmetric 3x3 matrices double[6] as (00, 01, 02, 11, 12, 22).
  * - Pointers must be valid, aligned and of the stated length. An output may be the same array as an
  *   input unless said otherwise; partial overlap is not allowed.
  * - A function that can fail returns a tribo_status. Unless it returns TRIBO_OK, every output is
- *   untouched. Null pointers, struct sizes and option values are judged first, in this order; which of
- *   several other faults is named is not specified.
+ *   untouched. Null pointers, struct sizes and option values are judged first, in this order; which
+ *   of several other faults is named is not specified.
  * - Functions that return no status accept finite input, and pass NaN and infinity on.
- * - Nothing allocates, aborts, prints or keeps state between calls. Every function may be called from
- *   any number of threads at once, as long as no two of them write the same output.
+ * - Nothing allocates, aborts, prints or keeps state between calls. Every function may be called
+ *   from any number of threads at once, as long as no two of them write the same output.
  * - The caller's floating-point environment must round to nearest and keep subnormal numbers (the
- *   default of every C implementation). Then results are the same bits on every platform.
- */
+ *   default of every C implementation). Then results are the same bits on every
+ platform. */
 #ifndef TRIBO_BASE_H
 #define TRIBO_BASE_H
 
@@ -49,7 +49,8 @@
 extern "C" {
 #endif
 
-/** Outcome of a call. Numbers are pinned: they never change meaning, and gaps are for later ones. */
+/** Outcome of a call. Numbers are pinned: they never change meaning, and gaps are for later
+ *  ones. */
 typedef int32_t tribo_status;
 
 enum {
@@ -62,11 +63,13 @@ enum {
     TRIBO_ERROR_NAME = 15,        /**< no entry has that name */
     TRIBO_ERROR_ALIAS = 16,       /**< two arguments that must differ are the same object */
     TRIBO_ERROR_NOT_FINITE = 20,  /**< an input is NaN or infinite */
-    TRIBO_ERROR_RANGE = 21,       /**< a finite input or the result is outside of the stated range */
+    TRIBO_ERROR_RANGE = 21,       /**< a finite input or the result is outside of the stated
+                                       range */
     TRIBO_ERROR_NORMAL = 22,      /**< the contact normal is not of unit length */
     TRIBO_ERROR_ORIENTATION = 23, /**< the quaternion is not of unit length */
     TRIBO_ERROR_FRAME = 24,       /**< the contact frame is not orthonormal and right-handed */
-    TRIBO_ERROR_MASS = 30,        /**< mass or inverse mass is negative, or zero where it must not be */
+    TRIBO_ERROR_MASS = 30,        /**< mass or inverse mass is negative, or zero where it must not
+                                       be */
     TRIBO_ERROR_INERTIA = 31,     /**< inertia is asymmetric, indefinite, or of no possible body */
     TRIBO_ERROR_SHAPE = 32,       /**< a length or density of a shape is not positive */
     TRIBO_ERROR_TIME_STEP = 33,   /**< the time step is negative, or too long to be resolved */
@@ -74,7 +77,8 @@ enum {
     TRIBO_ERROR_RESTITUTION = 41, /**< e lies outside of [0, 1] (tangential: [-1, 1]) */
     TRIBO_ERROR_CONTACT_MATRIX = 50, /**< the contact matrix is not positive semidefinite */
     TRIBO_ERROR_IMMOVABLE = 51,      /**< neither body can move at the contact along the normal */
-    TRIBO_ERROR_JAM = 52             /**< no bounded impulse satisfies Coulomb's law: the contact jams */
+    TRIBO_ERROR_JAM = 52             /**< no bounded impulse satisfies Coulomb's law: the contact
+                                          jams */
 };
 
 /** Name of a status, as written above ("TRIBO_ERROR_NULL"); "TRIBO_ERROR_UNKNOWN" for any other

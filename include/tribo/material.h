@@ -15,7 +15,8 @@ extern "C" {
 
 /** Coefficients of one material, or of a pair in contact; all without unit. 24 bytes. */
 typedef struct tribo_material {
-    double mu_s; /**< static friction, 0 <= mu_d <= mu_s < infinity: sticking holds up to mu_s p_n */
+    double mu_s; /**< static friction, 0 <= mu_d <= mu_s < infinity: sticking holds up to mu_s
+                      p_n */
     double mu_d; /**< dynamic friction: sliding friction is mu_d p_n */
     double e;    /**< restitution, 0 (plastic) to 1 (elastic) */
 } tribo_material;
@@ -26,11 +27,11 @@ TRIBO_API tribo_status tribo_material_check(const tribo_material *material);
 
 /** How two coefficients become one. */
 enum {
-    TRIBO_MIX_GEOMETRIC_MEAN = 0,  /**< sqrt(a b): Box2D, Box3D and Jolt for friction */
-    TRIBO_MIX_MINIMUM = 1,         /**< min(a, b) */
-    TRIBO_MIX_MAXIMUM = 2,         /**< max(a, b): Box2D, Box3D and Jolt for restitution */
-    TRIBO_MIX_PRODUCT = 3,         /**< a b: Bullet */
-    TRIBO_MIX_ARITHMETIC_MEAN = 4  /**< (a + b) / 2: default of PhysX and of Rapier */
+    TRIBO_MIX_GEOMETRIC_MEAN = 0, /**< sqrt(a b): Box2D, Box3D and Jolt for friction */
+    TRIBO_MIX_MINIMUM = 1,        /**< min(a, b) */
+    TRIBO_MIX_MAXIMUM = 2,        /**< max(a, b): Box2D, Box3D and Jolt for restitution */
+    TRIBO_MIX_PRODUCT = 3,        /**< a b: Bullet */
+    TRIBO_MIX_ARITHMETIC_MEAN = 4 /**< (a + b) / 2: default of PhysX and of Rapier */
 };
 
 /** Mix two materials into the coefficients of the pair. Symmetric in a and b to the bit.
@@ -52,8 +53,8 @@ TRIBO_API tribo_status tribo_material_mix_with(const tribo_material *a, const tr
                                                tribo_mix_function rule, void *user,
                                                tribo_material *out);
 
-/** Number of entries in the table of pairs. The table is the lecture's ("Some coefficients"): wood on
- *  stone 0.7/0.3 and steel on steel 0.16/0.12; it gives no restitution, so e is 0. */
+/** Number of entries in the table of pairs. The table is the lecture's ("Some coefficients"): wood
+ *  on stone 0.7/0.3 and steel on steel 0.16/0.12; it gives no restitution, so e is 0. */
 TRIBO_API uint32_t tribo_material_count(void);
 
 /** Entry `index` of the table.

@@ -3,8 +3,8 @@
  * Vectors, 3x3 matrices, quaternions, skew products, the contact basis, and the few elementary
  * functions that tribo computes itself so that every platform gives the same bits.
  *
- * Shapes and the rules on aliasing, threads and NaN: see base.h. No function here needs a unit unless
- * it says so.
+ * Shapes and the rules on aliasing, threads and NaN: see base.h. No function here needs a unit
+ * unless it says so.
  */
 #ifndef TRIBO_MATH_H
 #define TRIBO_MATH_H
@@ -116,7 +116,7 @@ TRIBO_API TRIBO_INLINE void tribo_sym3_apply(const double s[6], const double x[3
     out[2] = r2;
 }
 
-/* ---- skew matrices: S(r) x = r x x (lecture, "The skew-symmetric matrix") ---------------------- */
+/* ---- skew matrices: S(r) x = r x x (lecture, "The skew-symmetric matrix") -------------------- */
 
 /** out = S(r) = [0 -rz ry; rz 0 -rx; -ry rx 0]; S + S^T = 0 to the bit. */
 TRIBO_API void tribo_skew_matrix(const double r[3], double out[9]);
@@ -129,21 +129,22 @@ TRIBO_API void tribo_skew_congruence(const double r[3], const double a[6], doubl
 TRIBO_API void tribo_skew_cross_apply(const double r[3], const double a[6], const double x[3],
                                       double out[3]);
 
-/* ---- contact basis ---------------------------------------------------------------------------- */
+/* ---- contact basis --------------------------------------------------------------------------- */
 
-/** Orthonormal right-handed basis from a unit normal: rows (n, t1, t2) of `frame`, the first equal to n
- *  to the bit. x_contact = frame x_world.
+/** Orthonormal right-handed basis from a unit normal: rows (n, t1, t2) of `frame`, the first equal
+ *  to n to the bit. x_contact = frame x_world.
  *
  *  Continuous everywhere but at n = (0, 0, -1) (and within 1e-150 of it), where t1 = (1, 0, 0),
  *  t2 = (0, -1, 0). (No basis is
- *  continuous on the whole sphere.) At n = (0, 0, 1): t1 = (1, 0, 0), t2 = (0, 1, 0). Zeros of either
- *  sign give the same basis. Construction: rotate z to n about z x n; where n_z < 0 the denominator
- *  1 + n_z is formed without cancellation as (n_x^2 + n_y^2) / (1 - n_z).
+ *  continuous on the whole sphere.) At n = (0, 0, 1): t1 = (1, 0, 0), t2 = (0, 1, 0). Zeros of
+ *  either sign give the same basis. Construction: rotate z to n about z x n; where n_z < 0 the
+ *  denominator 1 + n_z is formed without cancellation as (n_x^2 + n_y^2) / (1 - n_z).
  *  Deviation from orthonormality: at most 8 eps for a normal that is unit to an eps.
- *  @return TRIBO_ERROR_NULL, TRIBO_ERROR_NOT_FINITE, or TRIBO_ERROR_NORMAL if | |n|^2 - 1 | > 1e-12. */
+ *  @return TRIBO_ERROR_NULL, TRIBO_ERROR_NOT_FINITE, or TRIBO_ERROR_NORMAL if | |n|^2 - 1 | >
+ *           1e-12. */
 TRIBO_API tribo_status tribo_basis_from_normal(const double n[3], double frame[9]);
 
-/* ---- quaternions (w, x, y, z): rotations from body to world axes ------------------------------- */
+/* ---- quaternions (w, x, y, z): rotations from body to world axes ----------------------------- */
 
 /** out = a b: the rotation b, then a. */
 TRIBO_API void tribo_quat_multiply(const double a[4], const double b[4], double out[4]);
@@ -151,7 +152,8 @@ TRIBO_API void tribo_quat_multiply(const double a[4], const double b[4], double 
 /** out = (w, -x, -y, -z): the inverse of a unit quaternion. */
 TRIBO_API void tribo_quat_conjugate(const double q[4], double out[4]);
 
-/** out = q / |q|. @return TRIBO_ERROR_NULL, TRIBO_ERROR_NOT_FINITE, TRIBO_ERROR_RANGE if q is zero. */
+/** out = q / |q|. @return TRIBO_ERROR_NULL, TRIBO_ERROR_NOT_FINITE, TRIBO_ERROR_RANGE if q is
+ *  zero. */
 TRIBO_API tribo_status tribo_quat_normalize(const double q[4], double out[4]);
 
 /** Rotation matrix of q / |q|; q need not be of unit length, but must not be zero. */
@@ -167,14 +169,15 @@ TRIBO_API void tribo_quat_rotate_inverse(const double q[4], const double x[3], d
  *  @return TRIBO_ERROR_NULL, TRIBO_ERROR_NOT_FINITE, TRIBO_ERROR_RANGE. */
 TRIBO_API tribo_status tribo_quat_from_rotation_vector(const double v[3], double out[4]);
 
-/** Angle in [0, pi] of the rotation that takes a to b; both of any length but zero. Accurate for small
- *  angles too: 2 atan2(|vector part|, |scalar part|) of conj(a) b. */
+/** Angle in [0, pi] of the rotation that takes a to b; both of any length but zero. Accurate for
+ *  small angles too: 2 atan2(|vector part|, |scalar part|) of conj(a) b. */
 TRIBO_API double tribo_quat_angle(const double a[4], const double b[4]);
 
-/* ---- elementary functions, the same bits on every platform -------------------------------------- */
+/* ---- elementary functions, the same bits on every platform ----------------------------------- */
 
 /** Sine and cosine of x radians, |x| <= 2^20 (NaN beyond), within 2 ulp.
- *  Reduction by pi/2 in three parts (Cody & Waite 1980), then Taylor polynomials on [-pi/4, pi/4]. */
+ *  Reduction by pi/2 in three parts (Cody & Waite 1980), then Taylor polynomials on [-pi/4,
+ *  pi/4]. */
 TRIBO_API void tribo_sin_cos(double x, double *sine, double *cosine);
 
 /** Angle of the point (x, y) in [-pi, pi], within 2 ulp; 0 for (0, 0); signed
