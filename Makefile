@@ -44,7 +44,8 @@ INSTALL_DATA ?= $(INSTALL) -m 644
 .DELETE_ON_ERROR:
 .SUFFIXES:
 .PHONY: all lib install uninstall demo check run-check check-sanitize run-properties test-programs \
-        fuzz fuzz-targets bench bench-programs deps abi golden docs format format-check clean help FORCE
+        fuzz fuzz-targets bench bench-programs deps abi golden docs format format-check clean \
+        help FORCE
 ifneq ($(V),1)
 .SILENT:
 endif
