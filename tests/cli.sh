@@ -1,0 +1,505 @@
+#!/usr/bin/env bash
+# The program: answers known by hand, malformed input, exit statuses, standard input, help, the
+# demonstration, and the measured tosses if TRIBO_DATA names them.
+#
+# Expected results of `impact` (tests/cli/impact-*.csv) are worked out by hand: W is a multiple of
+# the unit matrix, so that all laws but the lecture's and FRICTIONLESS agree, and numbers are short.
+set -u
+cd "${SRCDIR:-$(dirname "$0")/..}" || exit 2
+export LC_ALL=C
+: "${BUILD:=$PWD/build}"
+tribo=$BUILD/tribo
+data=$PWD/tests/cli
+measured=${TRIBO_DATA:-}
+unset TRIBO_DATA
+work=$BUILD/cli
+rm -rf "$work" && mkdir -p "$work" || exit 2
+laws="frictionless lecture lecture-closing algebraic coulomb
+routh-newton routh-poisson routh-stronge"
+
+number=0 failures=0
+check() # NAME COMMAND...; what the command prints is shown if it fails
+{
+    local name=$1 out
+    shift
+    number=$((number + 1))
+    if out=$("$@" 2>&1); then
+        echo "ok $number - $name"
+    else
+        echo "not ok $number - $name"
+        echo "$out" | head -n 30 | sed 's/^/# /'
+        failures=$((failures + 1))
+    fi
+}
+skip() # NAME WHY
+{
+    number=$((number + 1))
+    echo "ok $number - $1 # SKIP $2"
+}
+
+# Run the program. Its exit status has to be STATUS and a line of its messages begin with MESSAGE;
+# an empty MESSAGE means none at all. Standard output is left in $work/out. $path is its PATH.
+path=$PATH
+expect() # STATUS MESSAGE ARGUMENT...
+{
+    local status=$1 message=$2
+    shift 2
+    PATH=$path "$tribo" "$@" >"$work/out" 2>"$work/err"
+    local got=$?
+    cat "$work/err"
+    if [ "$got" != "$status" ]; then
+        echo "exit status $got instead of $status"
+        return 1
+    fi
+    if [ -z "$message" ]; then
+        [ ! -s "$work/err" ] || { echo "unexpected message"; return 1; }
+    else
+        awk -v message="$message" 'index($0, message) == 1 { found = 1 } END { exit !found }' \
+            "$work/err" || { echo "expected: $message"; return 1; }
+    fi
+}
+
+# Compare two CSV files: words literally, numbers to 1e-13.
+same_table() # EXPECTED GOT
+{
+    paste -d '\n' "$1" "$2" | awk -F, '
+        NR % 2 { count = split($0, want, ","); next }
+        {
+            if (NF != count) { print "line " NR / 2 ": " NF " fields"; bad = 1 }
+            for (i = 1; i <= count; i++) {
+                number = want[i] ~ /^[-0-9]/ && $i ~ /^[-0-9.e]+$/
+                difference = want[i] - $i
+                if (number ? difference > 1e-13 || difference < -1e-13 : want[i] != $i) {
+                    print "line " NR / 2 ", field " i ": " $i " instead of " want[i]
+                    bad = 1
+                }
+            }
+        }
+        END { exit bad || !NR || NR % 2 }'
+}
+
+header=wnn,wn1,wn2,w11,w12,w22,un,u1,u2,mu_s,mu_d,e
+row=1,0,0,1,0,1,-1,2,0,0.5,0.25,0
+answer=slip,1,-0.25,0,0,1.75,0,-0.96875,0
+
+# ---- impact -------------------------------------------------------------------------------------
+
+impact_known() # LAW
+{
+    local expected=$data/impact-$1.csv
+    [ -f "$expected" ] || expected=$data/impact-coulomb.csv
+    "$tribo" impact "$data/impact.csv" --law "$1" >"$work/out" 2>"$work/err"
+    [ $? = 1 ] || { echo "bad rows have to make the exit status 1"; return 1; }
+    same_table "$expected" "$work/out" || return 1
+    cat >"$work/messages" <<END
+tribo: $data/impact.csv:7:1: TRIBO_ERROR_NOT_FINITE
+tribo: $data/impact.csv:8:20: TRIBO_ERROR_FRICTION
+tribo: $data/impact.csv:9:20: TRIBO_ERROR_FRICTION
+tribo: $data/impact.csv:10:28: TRIBO_ERROR_RESTITUTION
+tribo: $data/impact.csv:11:1: TRIBO_ERROR_IMMOVABLE
+tribo: $data/impact.csv:12:1: TRIBO_ERROR_CONTACT_MATRIX
+tribo: $data/impact.csv:13:13: TRIBO_ERROR_NOT_FINITE
+tribo: $data/impact.csv: 7 of 13 rows have no result
+END
+    sed 's/\(TRIBO_[A-Z_]*\): .*/\1/' "$work/err" | diff "$work/messages" -
+}
+for law in $laws; do
+    check "impact --law $law: known answers, and bad rows by name" impact_known "$law"
+done
+
+seventeen_digits() # the nearest double to 1/3 needs all of them
+{
+    printf '%s\n3,0,0,3,0,3,-1,0,0,0,0,0\n' $header >"$work/in.csv"
+    expect 0 '' impact "$work/in.csv" --law frictionless &&
+        grep -q '^stick,0.33333333333333331,' "$work/out"
+}
+check "17 digits are written" seventeen_digits
+
+accepted() # TEXT: header and one row, in whatever form, give the one known answer
+{
+    printf "$1" >"$work/in.csv"
+    expect 0 '' impact "$work/in.csv" --law coulomb || return 1
+    printf 'mode,pn,p1,p2,vn,v1,v2,energy,eta\n%s\n' $answer | same_table - "$work/out"
+}
+check "one row" accepted "$header\n$row\n"
+check "no newline at the end" accepted "$header\n$row"
+check "lines end by CR LF" accepted "$header\r\n$row\r\n"
+check "blank lines are no rows" accepted "\n$header\n\n\n$row\n\n"
+check "quoted fields" accepted "\"wnn\",${header#*,}\n\"1\",${row#*,}\n"
+check "spaces around fields" accepted " wnn , ${header#*,}\n 1 , ${row#*,}\n"
+check "a byte order mark" accepted "\xef\xbb\xbf$header\n$row\n"
+check "columns in any order, others ignored" accepted \
+    "e,note,mu_d,mu_s,u2,u1,un,w22,w12,w11,wn2,wn1,wnn\n0,\"a, b\",0.25,0.5,0,2,-1,1,0,1,0,0,1\n"
+check "hexadecimal numbers" accepted "$header\n0x1p0,0,0,1,0,1,-1,2,0,0x.8p0,0.25,0\n"
+
+standard_input()
+{
+    printf '%s\n%s\n' $header $row | "$tribo" impact - --law coulomb >"$work/out" || return 1
+    printf 'mode,pn,p1,p2,vn,v1,v2,energy,eta\n%s\n' $answer | same_table - "$work/out"
+}
+check "impact from standard input" standard_input
+
+empty_table()
+{
+    printf '%s\n' $header >"$work/in.csv"
+    expect 0 '' impact "$work/in.csv" --law coulomb &&
+        [ "$(cat "$work/out")" = mode,pn,p1,p2,vn,v1,v2,energy,eta ]
+}
+check "a header without rows gives a header" empty_table
+
+# ---- malformed input ----------------------------------------------------------------------------
+
+malformed() # TEXT MESSAGE ROWS: the run ends with status 1 after ROWS rows
+{
+    printf "$1" >"$work/in.csv"
+    expect 1 "tribo: $work/in.csv:$2" impact "$work/in.csv" --law coulomb || return 1
+    [ "$(wc -l <"$work/out")" = $(($3 + 1)) ] || { cat "$work/out"; return 1; }
+}
+rest=${row#1,}
+check "empty file" malformed '' '1:1: there is no header' 0
+check "only blank lines" malformed '\n\n' '1:1: there is no header' 0
+check "missing column" malformed "${header%,e}\n" '1:1: there is no column "e"' 0
+check "column twice" malformed "$header,un\n" '1:46: "un" names a column for the second time' 0
+check "short row" malformed "$header\n$row\n1,0\n" '3:4: the row ends after 2 of 12 fields' 1
+check "long row" malformed "$header\n$row,7\n" '2:31: more fields than the 12 of the header' 0
+check "not a number" malformed "$header\n$row\n$row\n1,zero,$rest\n" '4:3: "zero" is not a number' 2
+check "number with a tail" malformed "$header\n1.5x,$rest\n" '2:1: "1.5x" is not a number' 0
+check "empty field" malformed "$header\n,$rest\n" '2:1: "" is not a number' 0
+check "number beyond double" malformed "$header\n-1e999,$rest\n" \
+    '2:1: "-1e999" is beyond the range of a double' 0
+check "space in a quoted number" malformed "$header\n\" 1\",$rest\n" '2:1: " 1" is not a number' 0
+check "quotation mark inside of a field" malformed "$header\n1\"0,$rest\n" \
+    '2:2: a quotation mark where none may be' 0
+check "quotation mark that is not closed" malformed "$header\n$row\n\"1,$rest\n" \
+    '3:1: a quotation mark is not closed' 1
+check "line numbers after a quoted newline" malformed "note,$header\n\"a\nb\",$row\nc,x,$rest\n" \
+    '4:3: "x" is not a number' 1
+
+zero_byte()
+{
+    { printf '%s\n1\0,' $header; echo "$rest"; } >"$work/in.csv"
+    expect 1 "tribo: $work/in.csv:2:1: \"1?\" is not a number" impact "$work/in.csv" --law coulomb
+}
+check "a zero byte in a number" zero_byte
+huge_field()
+{
+    { echo $header; head -c 300000 /dev/zero | tr '\0' 1; } >"$work/in.csv"
+    expect 1 "tribo: $work/in.csv:2:1: a field of more than 4096 bytes" \
+        impact "$work/in.csv" --law coulomb
+}
+check "a field of 300 000 digits" huge_field
+many_columns()
+{
+    yes x, | head -n 3000 | tr -d '\n' >"$work/in.csv"
+    expect 1 "tribo: $work/in.csv:1:2049: more than 1024 columns" \
+        impact "$work/in.csv" --law coulomb
+}
+check "3000 columns" many_columns
+binary_garbage() # the program file itself
+{
+    "$tribo" impact "$tribo" --law coulomb >"$work/out" 2>"$work/err"
+    [ $? = 1 ] && grep -q "^tribo: $tribo:1:[0-9]*: " "$work/err"
+}
+check "binary garbage" binary_garbage
+check "a file that is not there" expect 1 "tribo: $work/none.csv: No such file or directory" \
+    impact "$work/none.csv" --law coulomb
+check "a folder" expect 1 "tribo: $work:1:1: Is a directory" impact "$work" --law coulomb
+full_disk()
+{
+    "$tribo" impact "$data/toss.csv" --help >/dev/full 2>"$work/err"
+    [ $? = 1 ] && grep -qx 'tribo: standard output: No space left on device' "$work/err"
+}
+if [ -e /dev/full ]; then
+    check "output that cannot be written" full_disk
+else
+    skip "output that cannot be written" "there is no /dev/full"
+fi
+
+# ---- command line -------------------------------------------------------------------------------
+
+help_of() # ARGUMENT...: shows usage on standard output and names what follows the |
+{
+    expect 0 '' "$@" && head -n 1 "$work/out" | grep -q '^usage: tribo'
+}
+check "tribo --help" help_of --help
+for command in impact toss demo; do
+    check "tribo $command --help" help_of $command --help
+done
+options_in_help() # each option that a command takes stands in its help
+{
+    "$tribo" impact --help | grep -q -- '--law NAME' || return 1
+    "$tribo" demo --help | grep -q -- '--out DIR' || return 1
+    for option in mu mu-d restitution law; do
+        "$tribo" toss --help | grep -q -- "--$option [XN]" || { echo "--$option"; return 1; }
+    done
+    for law in $laws; do
+        "$tribo" impact --help | grep -qw -- "$law" || { echo "$law"; return 1; }
+    done
+}
+check "help names all options and laws" options_in_help
+version()
+{
+    expect 0 '' --version && grep -qxE 'tribo [0-9]+\.[0-9]+\.[0-9]+' "$work/out"
+}
+check "tribo --version" version
+no_command()
+{
+    "$tribo" >"$work/out" 2>"$work/err"
+    [ $? = 2 ] && [ ! -s "$work/out" ] && grep -q '^usage: tribo' "$work/err"
+}
+check "no command" no_command
+check "unknown command" expect 2 'tribo: there is no command "throw"; see tribo --help' throw
+check "unknown option" expect 2 "tribo: unrecognized option '--laws=x'" impact --laws=x
+check "option without its value" expect 2 "tribo: option '--law' requires an argument" \
+    impact "$data/impact.csv" --law
+check "unknown law" expect 2 \
+    'tribo: there is no law "newton"; the laws are algebraic frictionless lecture coulomb' \
+    impact x.csv --law newton
+check "no law" expect 2 'tribo: impact: --law NAME is needed; see tribo impact --help' impact x.csv
+check "no file" expect 2 'tribo: impact: one FILE.csv is needed; see tribo impact --help' \
+    impact --law coulomb
+check "two files" expect 2 'tribo: toss: one FILE.csv is needed; see tribo toss --help' \
+    toss a.csv b.csv
+check "an option that is no number" expect 2 'tribo: --mu: "much" is not a finite number' \
+    toss --mu much "$data/toss.csv"
+check "an option that is not finite" expect 2 'tribo: --mu-d: "nan" is not a finite number' \
+    toss --mu-d nan "$data/toss.csv"
+check "coefficients out of range" expect 2 \
+    'tribo: toss: a coefficient of restitution is outside of its range' \
+    toss --restitution 1.5 "$data/toss.csv"
+check "an argument too much" expect 2 'tribo: demo: "x" is too much; see tribo demo --help' demo x
+
+# ---- toss ---------------------------------------------------------------------------------------
+
+# tests/cli/toss.csv is made up from closed forms, in the conventions that toss.c explains: a
+# spinning flight, a cube at rest on a face, one that slides on a face and is slowed down by mu g.
+toss_known() # LAW LIMIT_OF_SLIDING: position errors in widths
+{
+    expect 0 '' toss "$data/toss.csv" --law "$1" || return 1
+    cat "$work/out"
+    awk -F, -v sliding="$2" '
+        NR == 1 { bad += $0 != "toss,steps,position_error_widths,rotation_error_deg" }
+        NR == 2 { bad += !($1 == 1 && $2 == 11 && $3 < 2e-6 && $4 < 2e-5) }
+        NR == 3 { bad += !($1 == 2 && $2 == 14 && $3 < 1e-3 && $4 < 1e-3) }
+        NR == 4 { bad += !($1 == 3 && $2 == 19 && $3 < sliding && $4 < 0.2) }
+        NR > 1 && NR < 5 { position += $3 / 3; rotation += $4 / 3 }
+        NR == 5 {
+            split($0, word, " ")
+            words = word[1] " " word[2] " " word[4]
+            bad += words != "mean position_error_widths rotation_error_deg"
+            bad += (word[3] - position) ^ 2 > 1e-11 || (word[5] - rotation) ^ 2 > 1e-11
+        }
+        END { exit bad || NR != 5 }' "$work/out"
+}
+check "toss: flight, rest and sliding by closed forms" toss_known routh-stronge 0.005
+check "toss --law coulomb" toss_known coulomb 0.005
+check "toss --law algebraic" toss_known algebraic 0.02
+error_of() # OPTION...: position error of the cube that slides
+{
+    "$tribo" toss "$data/toss.csv" "$@" | awk -F, '$1 == 3 { print $3 }'
+}
+toss_options() # wrong friction has to show
+{
+    awk -v right="$(error_of)" -v more="$(error_of --mu 0.3)" -v none="$(error_of --mu 0)" \
+        -v dynamic="$(error_of --mu 0.3 --mu-d 0.18)" 'BEGIN {
+            print right, more, none, dynamic
+            exit !(more > 5 * right && none > 5 * right && dynamic < 2 * right) }'
+}
+check "toss --mu and --mu-d" toss_options
+toss_restitution() # a cube that falls flat and straight bounces the higher, the greater e is
+{
+    { head -n 1 "$data/toss.csv"
+      for step in $(seq 0 30); do echo "1,$step,1,0,0,0,0,0,0.0612472,0,0,0,0,0,0"; done
+    } >"$work/in.csv"
+    awk -v plastic="$("$tribo" toss "$work/in.csv" --restitution 0 | sed -n 2p)" \
+        -v elastic="$("$tribo" toss "$work/in.csv" --restitution 1 | sed -n 2p)" 'BEGIN {
+            split(plastic, p, ","); split(elastic, e, ",")
+            print plastic, elastic
+            exit !(p[3] > 0.07 && p[3] < 0.1 && e[3] < 0.07) }'
+}
+check "toss --restitution" toss_restitution
+toss_input()
+{
+    "$tribo" toss - <"$data/toss.csv" >"$work/piped" && "$tribo" toss "$data/toss.csv" |
+        diff - "$work/piped"
+}
+check "toss from standard input" toss_input
+malformed_toss() # SED_SCRIPT MESSAGE
+{
+    sed "$1" "$data/toss.csv" >"$work/in.csv"
+    expect 1 "tribo: $work/in.csv$2" toss "$work/in.csv"
+}
+check "toss: no rows" malformed_toss '2,$d' ': no toss'
+check "toss: one state only" malformed_toss '3,$d' ':2:1: this toss has no step to predict'
+check "toss: one state only, then another toss" malformed_toss '3,13d' \
+    ':2:1: this toss has no step to predict'
+check "toss: a step is missing" malformed_toss '5d' \
+    ":5:3: the step is not the one after the last row's"
+check "toss: not finite" malformed_toss '4s/,[^,]*$/,inf/' \
+    ":4:$(($(sed -n 4p "$data/toss.csv" | sed 's/[^,]*$//' | wc -c))): an input is NaN or infinite"
+check "toss: no unit quaternion" malformed_toss '2s/1,0,1,/1,0,2,/' \
+    ':2:5: the orientation quaternion is not of unit length'
+
+# ---- demo ---------------------------------------------------------------------------------------
+
+if command -v gnuplot >/dev/null; then
+    demo_pictures()
+    {
+        expect 0 '' demo --out "$work/demo" || return 1
+        for picture in throw cone laws; do
+            local file=$work/demo/$picture.svg
+            grep -q '</svg>' "$file" || { echo "$file"; return 1; }
+            for law in $laws; do
+                grep -q ">$law<" "$file" || { echo "$file has no $law"; return 1; }
+            done
+        done
+    }
+    check "demo writes three pictures with all laws" demo_pictures
+    demo_odd_folder() # a quotation mark in its name
+    {
+        expect 0 '' demo --out "$work/it's" && [ -s "$work/it's/throw.svg" ]
+    }
+    check "demo into a folder with an odd name" demo_odd_folder
+    demo_no_folder()
+    {
+        expect 1 "tribo: $work/a/b: No such file or directory" demo --out "$work/a/b"
+    }
+    check "demo into a folder that cannot be made" demo_no_folder
+else
+    for name in "demo writes three pictures with all laws" "demo into a folder with an odd name" \
+        "demo into a folder that cannot be made"; do
+        skip "$name" "gnuplot is not installed"
+    done
+fi
+demo_without_gnuplot()
+{
+    mkdir -p "$work/bare"
+    expect 0 'tribo: gnuplot is not installed: no pictures are drawn' demo --out "$work/bare" &&
+        [ -z "$(ls "$work/bare")" ]
+}
+path=/nowhere
+check "demo goes on without gnuplot" demo_without_gnuplot
+demo_tables() # what each law promises
+{
+    expect 0 'tribo: gnuplot' demo || return 1
+    awk '
+        /^The whole throw/ { part = 2 }
+        /^Speed against error/ { part = 3 }
+        part == 2 && NF >= 9 && $2 ~ /^[0-9]+$/ {
+            broken[$1] = $9 " " $10
+            momentum[$1] = $8
+        }
+        part == 3 && $3 ~ /e[-+]/ { eta[$1] = $4; cone[$1] = $5; gain[$1] = $7; e[$1] = $9; laws++ }
+        END {
+            for (law in momentum) if (momentum[law] > 1e-14) { print law, momentum[law]; bad = 1 }
+            split("algebraic frictionless routh-stronge routh-poisson", kept, " ")
+            for (i in kept) if (cone[kept[i]] + gain[kept[i]] > 0) { print kept[i]; bad = 1 }
+            bad += laws != 8
+            bad += broken["algebraic"] != "nothing " || broken["lecture"] !~ /cone/
+            bad += eta["coulomb"] > 1e-14 || cone["coulomb"] > 0 || e["coulomb"] > 0
+            bad += cone["lecture"] < 10 || gain["lecture"] < 1 || e["routh-poisson"] < 50
+            exit bad
+        }' "$work/out" || { cat "$work/out"; return 1; }
+}
+check "demo: what each law keeps and breaks" demo_tables
+
+# ---- recorded problems of one contact -----------------------------------------------------------
+
+# Ten problems that are one problem in all storages: W = diag(2, 1, 1), q = (-2, 3, 0), mu = 1/2.
+# By hand: p = (1, -1/2, 0). The global ones have M = diag(1, 1, 4, 1), and H with the columns
+# (1, 0, 0, 1), (0, 1, 0, 0) and (0, 0, 2, 0).
+write_problems() # FOLDER
+{
+    mkdir -p "$1/fc" "$1/cube_tosses"
+    cp "$data/toss.csv" "$1/cube_tosses/tosses.csv"
+    local dense='3\n1\n0\n3\n3\n3 3\n2 0 0 0 1 0 0 0 1\n-2 3 0\n0.5\n'
+    local blocks='3\n1\n1\n3 3\n1 1 1\n3\n3\n2 1\n0 1\n0\n0\n2 0 0 0 1 0 0 0 1\n-2 3 0 0.5'
+    local unsymmetric='3 1 0 3 3 3 3 2 0 0.5 0 1 0 0 0 1 -2 3 0 0.5'
+    local matrix='0 4 4 4 4 1 0 0 0 0 1 0 0 0 0 4 0 0 0 0 1'
+    local shape='0 4 3 4 3 1 0 0 1 0 1 0 0 0 0 2 0'
+    local global="3 1 $matrix $shape -1 0 0 0 -1 3 0 0.5"
+    for name in FrictionContact3D_1c Rover11035 Rover11211; do
+        printf "$dense" >"$1/fc/$name.dat"
+    done
+    printf "$blocks" >"$1/fc/FrictionContact3D_RR_1c.dat"
+    printf "$unsymmetric" >"$1/fc/Rover11211.dat"
+    for name in Example0 Example0_SBM Example00 Example00_badly_scaled Example1 OneContact; do
+        printf "$global" >"$1/fc/GFC3D_$name.dat"
+    done
+    # The same M of two blocks, 1x1 and 3x3.
+    matrix='1 4 4 2 2 2 1 4 1 4 3 2 0 1 2 0 1 0 1 1 1 0 0 0 4 0 0 0 1'
+    printf "3 1 $matrix $shape -1 0 0 0 -1 3 0 0.5" >"$1/fc/GFC3D_Example0_SBM.dat"
+}
+demo_problems()
+{
+    write_problems "$work/data"
+    TRIBO_DATA=$work/data expect 0 'tribo: gnuplot' demo || return 1
+    awk '
+        /^  routh-stronge .*\*$/ { toss = $2 == 3 && $3 < 0.002 }
+        /^Recorded problems/ { on = 1 }
+        !on || $NF !~ /e[-+]/ { next }
+        { rows++; bad += $NF > 1e-15 || $2 != ($1 == "Rover11211" ? "general" : "symmetric") }
+        $2 == "symmetric" { bad += $3 != "slip" || $4 != 1 || $5 != -0.5 || $6 != 0 }
+        END { exit bad || rows != 10 || !toss }' "$work/out" ||
+        { sed -n '/^Measured/,$p' "$work/out"; return 1; }
+}
+check "demo solves problems in all storages" demo_problems
+bad_problem() # NAME TEXT MESSAGE
+{
+    write_problems "$work/data"
+    printf "$2" >"$work/data/fc/$1.dat"
+    TRIBO_DATA=$work/data expect 1 "tribo: $work/data/fc/$1.dat:$3" demo
+}
+check "problem: word for number" bad_problem Rover11035 '3\n1\n0\n3 3\n3 3\n2 0 zero' \
+    '6:5: not a finite number'
+check "problem: cut off" bad_problem Rover11035 '3\n1\n0\n3 3\n3 3\n2 0' \
+    '6:4: the file ends too early'
+check "problem: planar" bad_problem Rover11035 '2\n1\n' \
+    '1:1: the problem is not in space: 3 is expected'
+check "problem: two contacts" bad_problem Rover11035 '3\n2\n' \
+    '2:1: not a whole number within its range'
+check "problem: unknown storage" bad_problem Rover11035 '3\n1\n2\n' \
+    '3:1: not a whole number within its range'
+check "problem: sizes that differ" bad_problem Rover11035 '3\n1\n0\n3 3\n3 2\n' \
+    '5:3: the matrix gives its size twice, and differently'
+check "problem: block column out of range" bad_problem FrictionContact3D_RR_1c \
+    '3 1\n1 3 3\n1 1 1\n3\n3\n2 1\n0 1\n1\n' '8:1: not a whole number within its range'
+check "problem: singular M" bad_problem GFC3D_Example1 \
+    '3 1\n0 3 3 3 3 0 0 0 0 1 0 0 0 1\n0 3 3 3 3 1 0 0 0 1 0 0 0 1\n-1 0 0 0 0 0 0.5' \
+    '4:12: M is singular'
+missing_problem()
+{
+    write_problems "$work/data"
+    rm "$work/data/fc/Rover11211.dat"
+    TRIBO_DATA=$work/data \
+        expect 1 "tribo: $work/data/fc/Rover11211.dat: No such file or directory" demo
+}
+check "problem: a file is missing" missing_problem
+
+# ---- measured data ------------------------------------------------------------------------------
+
+if [ -n "$measured" ]; then
+    measured_tosses() # as good as a tuned MuJoCo 4.0 by position and by rotation
+    {
+        expect 0 '' toss "$measured/cube_tosses/tosses.csv" || return 1
+        tail -n 1 "$work/out"
+        awk 'END {
+            exit !($1 == "mean" && $3 > 0 && $3 < 0.160 && $5 > 0 && $5 < 16.7 && NR == 368)
+        }' "$work/out"
+    }
+    check "the 366 measured tosses within 0.160 widths and 16.7 degrees" measured_tosses
+    measured_demo()
+    {
+        TRIBO_DATA=$measured expect 0 'tribo: gnuplot' demo || return 1
+        sed -n '/^Recorded/,$p' "$work/out"
+        awk '/^Recorded/ { on = 1 } on && $NF ~ /e[-+]/ { rows++; bad += $NF > 1e-14 }
+            END { exit bad || rows != 10 }' "$work/out"
+    }
+    check "the recorded problems of one contact to 1e-14" measured_demo
+else
+    skip "the 366 measured tosses within 0.160 widths and 16.7 degrees" "TRIBO_DATA is not set"
+    skip "the recorded problems of one contact to 1e-14" "TRIBO_DATA is not set"
+fi
+
+echo "1..$number"
+[ "$failures" = 0 ]
