@@ -573,16 +573,16 @@ static void test_bad_contacts(void **state)
         REFUSED(TRIBO_ERROR_IMMOVABLE, tribo_audit_impact(none[i], b, &pair, p, &out.measures));
     }
     for (int i = 0; i < 13 * 3; i++) {
-        double x[13] = {1, 0, 0, 1, 0, 1, -1, 0, 0, 1, 0, 0, -0.5};
+        double x[13] = {1, 0, 0, 1, 0, 1, -1, 0, 0, 1, 0, 0, 0.5};
         x[i / 3] = not_finite[i % 3];
         REFUSED(TRIBO_ERROR_NOT_FINITE, tribo_audit_contact(x, x + 6, x[12], x + 9, &out.measures));
         if (i < 36) {
             REFUSED(TRIBO_ERROR_NOT_FINITE,
-                    tribo_audit_impact(x, x + 6, &bad_friction, x + 9, &out.measures));
+                    tribo_audit_impact(x, x + 6, &pair, x + 9, &out.measures));
         }
     }
     for (int i = 0; i < 9; i++) {
-        double x[3] = {0.3, 0.5, 2.0};
+        double x[3] = {0.5, 0.3, 0.5};
         x[i / 3] = not_finite[i % 3];
         const tribo_material bad = {x[0], x[1], x[2]};
         REFUSED(TRIBO_ERROR_NOT_FINITE, tribo_audit_impact(w, b, &bad, p, &out.measures));

@@ -179,7 +179,8 @@ static void impact_each(batch *out, size_t count)
     wipe(out);
     out->first = TRIBO_OK;
     for (size_t i = 0; i < count; i++) {
-        tribo_impact_info info = {.struct_size = sizeof info};
+        /* asks for the mode alone: energy may be beyond double where p is not */
+        tribo_impact_info info = {.struct_size = 2 * sizeof(uint32_t)};
         const tribo_status status = tribo_impact(out->w + 6 * i, out->b + 3 * i, &out->pairs[i],
                                                  NULL, out->p + 3 * i, &info);
         note_status(out, i, status);
@@ -459,7 +460,7 @@ static tribo_status matrix_one(matrix_batch *out, size_t i)
         ends[k] = index == TRIBO_WORLD ? &world : &out->bodies[index];
     }
     if (ends[0] == &world && ends[1] == &world) {
-        return TRIBO_ERROR_INDEX;
+        return TRIBO_ERROR_IMMOVABLE;
     }
     tribo_status status = tribo_contact_check(&out->contacts[i]);
     if (status != TRIBO_OK) {

@@ -1300,19 +1300,20 @@ static const struct {
     double w[6];
     double u[3];
     tribo_status status;
+    int beside; /* the fault stands beside the diagonal, which is all that FRICTIONLESS judges */
 } bad_impacts[] = {
-    {{0, 0, 0, 0, 0, 0}, {-1, 1, 1}, TRIBO_ERROR_IMMOVABLE},
-    {{0, 0, 0, 1, 0, 1}, {-1, 1, 1}, TRIBO_ERROR_IMMOVABLE},
-    {{0, 0, 0, 1, 0, 1}, {1, 1, 1}, TRIBO_ERROR_IMMOVABLE},
-    {{-1, 0, 0, 1, 0, 1}, {-1, 1, 1}, TRIBO_ERROR_CONTACT_MATRIX},
-    {{1, 0, 0, -1, 0, 1}, {-1, 1, 1}, TRIBO_ERROR_CONTACT_MATRIX},
-    {{1, 2, 0, 1, 0, 1}, {-1, 1, 1}, TRIBO_ERROR_CONTACT_MATRIX},
-    {{1, -0.6, -0.6, 1, -0.6, 1}, {-1, 1, 1}, TRIBO_ERROR_CONTACT_MATRIX},
-    {{0x1p1001, 0, 0, 1, 0, 1}, {-1, 1, 1}, TRIBO_ERROR_RANGE},
-    {{0x1p-1001, 0, 0, 0, 0, 0}, {-1, 1, 1}, TRIBO_ERROR_RANGE},
-    {{1, 0, 0, 1, 0, 1}, {-0x1p1001, 1, 1}, TRIBO_ERROR_RANGE},
-    {{1, 0, 0, 1, 0, 1}, {-1, 1e302, 1}, TRIBO_ERROR_RANGE},
-    {{0x1p-900, 0, 0, 0x1p-900, 0, 0x1p-900}, {-0x1p200, 1, 1}, TRIBO_ERROR_RANGE},
+    {{0, 0, 0, 0, 0, 0}, {-1, 1, 1}, TRIBO_ERROR_IMMOVABLE, 0},
+    {{0, 0, 0, 1, 0, 1}, {-1, 1, 1}, TRIBO_ERROR_IMMOVABLE, 0},
+    {{0, 0, 0, 1, 0, 1}, {1, 1, 1}, TRIBO_ERROR_IMMOVABLE, 0},
+    {{-1, 0, 0, 1, 0, 1}, {-1, 1, 1}, TRIBO_ERROR_CONTACT_MATRIX, 0},
+    {{1, 0, 0, -1, 0, 1}, {-1, 1, 1}, TRIBO_ERROR_CONTACT_MATRIX, 0},
+    {{1, 2, 0, 1, 0, 1}, {-1, 1, 1}, TRIBO_ERROR_CONTACT_MATRIX, 1},
+    {{1, -0.6, -0.6, 1, -0.6, 1}, {-1, 1, 1}, TRIBO_ERROR_CONTACT_MATRIX, 1},
+    {{0x1p1001, 0, 0, 1, 0, 1}, {-1, 1, 1}, TRIBO_ERROR_RANGE, 0},
+    {{0x1p-1001, 0, 0, 0, 0, 0}, {-1, 1, 1}, TRIBO_ERROR_RANGE, 0},
+    {{1, 0, 0, 1, 0, 1}, {-0x1p1001, 1, 1}, TRIBO_ERROR_RANGE, 0},
+    {{1, 0, 0, 1, 0, 1}, {-1, 1e302, 1}, TRIBO_ERROR_RANGE, 0},
+    {{0x1p-900, 0, 0, 0x1p-900, 0, 0x1p-900}, {-0x1p200, 1, 1}, TRIBO_ERROR_RANGE, 0},
 };
 
 enum { BAD_IMPACTS = sizeof bad_impacts / sizeof bad_impacts[0] };
@@ -1326,6 +1327,9 @@ static void test_bad_impacts(void **state)
     for (uint32_t law = 0; law < LAWS; law++) {
         const tribo_impact_options options = options_of(law);
         for (size_t i = 0; i < BAD_IMPACTS; i++) {
+            if (law == FRICTIONLESS && bad_impacts[i].beside) {
+                continue;
+            }
             REFUSED(bad_impacts[i].status, tribo_impact(bad_impacts[i].w, bad_impacts[i].u, &good,
                                                         &options, out.p, &out.info));
         }
@@ -1341,30 +1345,17 @@ static void test_bad_impacts(void **state)
             x[i / 3] = not_finite[i % 3];
             REFUSED(TRIBO_ERROR_NOT_FINITE,
                     tribo_impact(x, x + 6, &good, &options, out.p, &out.info));
-            /* finiteness of all before the range of any */
-            REFUSED(TRIBO_ERROR_NOT_FINITE,
-                    tribo_impact(x, x + 6, &bad_pairs[6].pair, &options, out.p, &out.info));
         }
-        REFUSED(TRIBO_ERROR_NOT_FINITE,
-                tribo_impact(bad_impacts[3].w, u, &bad_pairs[0].pair, &options, out.p, &out.info));
     }
 }
 
 static void test_bad_options(void **state)
 {
-    static const uint32_t sizes[] = {0,
-                                     1,
-                                     2,
-                                     3,
-                                     5,
-                                     7,
-                                     17,
-                                     sizeof(tribo_impact_options) + 1,
-                                     sizeof(tribo_impact_options) + 8,
-                                     UINT32_MAX};
-    static const uint32_t info_sizes[] = {
-        0,         1, 3, 5, 17, sizeof(tribo_impact_info) + 8, sizeof(tribo_collision_info) + 8,
-        UINT32_MAX};
+    const uint32_t newer = sizeof(tribo_impact_options) + 8;
+    const uint32_t sizes[] = {0, 1, 2, 3, 5, 7, 17, newer - 7, newer, UINT32_MAX};
+    const uint32_t newer_info = sizeof(tribo_impact_info) + 8;
+    const uint32_t newer_collision = sizeof(tribo_collision_info) + 8;
+    const uint32_t info_sizes[] = {0, 1, 3, 5, 17, newer_info, newer_collision, UINT32_MAX};
     static const uint32_t laws[] = {LAWS, LAWS + 1, 1000, UINT32_MAX};
     static const double tangential[] = {-1.0 - EPS, 1.0 + EPS, 2.0, -1e300};
     static const double point[3] = {0, 0, 0};
@@ -1404,7 +1395,7 @@ static void test_bad_options(void **state)
         canary();
         out.info.struct_size = info_sizes[i];
         out.collision.struct_size = info_sizes[i];
-        if (info_sizes[i] != sizeof(tribo_impact_info) + 8) {
+        if (info_sizes[i] != newer_info) { /* which a collision's info may well have */
             REFUSED(TRIBO_ERROR_STRUCT_SIZE, tribo_collide(&out.a, &out.b, point, bad_normal, &pair,
                                                            &options, &out.collision));
         }
@@ -1494,12 +1485,6 @@ static void test_bad_collisions(void **state)
         REFUSED(TRIBO_ERROR_NOT_FINITE,
                 tribo_collide(&out.a, &out.b, point, x, &pair, NULL, &out.collision));
     }
-    /* finiteness before ranges: crooked normal and NaN in the pair, in a body */
-    REFUSED(TRIBO_ERROR_NOT_FINITE, tribo_collide(&out.a, &out.b, point, crooked,
-                                                  &bad_pairs[0].pair, NULL, &out.collision));
-    out.b.velocity[0] = NOT_A_NUMBER;
-    REFUSED(TRIBO_ERROR_NOT_FINITE,
-            tribo_collide(&out.a, &out.b, point, crooked, &pair, NULL, &out.collision));
     /* two walls */
     canary();
     tribo_body_init(&out.a);
