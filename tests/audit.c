@@ -51,7 +51,7 @@ static void fields_of(const tribo_measures *measures, double fields[FIELDS])
     memcpy(fields, measures, sizeof *measures);
 }
 
-/* ---- bodies ----------------------------------------------------------------------------------- */
+/* ---- bodies ---------------------------------------------------------------------------------- */
 
 static tribo_body body_of(double mass, double ixx, double iyy, double izz)
 {
@@ -62,8 +62,9 @@ static tribo_body body_of(double mass, double ixx, double iyy, double izz)
     return body;
 }
 
-/* 2 kg at (1,0,0) with v = (0,3,4), spin (0,0,5) about I_zz = 4; 0.5 kg at (0,2,0), v = (-8,0,0), no
- * spin. About the origin: (1,0,0) x (0,6,8) = (0,-8,6); (0,2,0) x (-4,0,0) = (0,0,8). */
+/* 2 kg at (1,0,0) with v = (0,3,4), spin (0,0,5) about I_zz = 4; 0.5 kg at (0,2,0), v =
+ * (-8,0,0), no spin. About the origin: (1,0,0) x (0,6,8) = (0,-8,6); (0,2,0) x (-4,0,0) =
+ * (0,0,8). */
 static void two_bodies(tribo_body bodies[2])
 {
     bodies[0] = body_of(2, 4, 4, 4);
@@ -145,7 +146,7 @@ static void test_change(void **state)
     assert_true(change.energy == 1.0);
 }
 
-/* ---- one contact ------------------------------------------------------------------------------ */
+/* ---- one contact ----------------------------------------------------------------------------- */
 
 #define UNIT             \
     {                    \
@@ -340,7 +341,7 @@ static void test_measures_have_no_dimension(void **state)
     }
 }
 
-/* ---- impacts ---------------------------------------------------------------------------------- */
+/* ---- impacts --------------------------------------------------------------------------------- */
 
 /* Ball, u = (-1; 2, 0), e = 1/2, so b = (-1.5; 2, 0). */
 static void test_impact_by_hand(void **state)
@@ -422,7 +423,7 @@ static void test_impact_of_laws(void **state)
     settle("energy, velocity, cone 64 eps; eta of COULOMB 1e-12");
 }
 
-/* ---- arrays ----------------------------------------------------------------------------------- */
+/* ---- arrays ---------------------------------------------------------------------------------- */
 
 static void test_arrays(void **state)
 {
@@ -476,7 +477,7 @@ static void test_arrays(void **state)
     assert_memory_equal(&rms, &nothing, sizeof rms);
 }
 
-/* ---- bad input -------------------------------------------------------------------------------- */
+/* ---- bad input ------------------------------------------------------------------------------- */
 
 static struct {
     tribo_totals totals;

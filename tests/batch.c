@@ -17,7 +17,7 @@ enum { MOST = 40, ROUNDS = 400, ISAS = 5 };
 #define NOT_A_NUMBER ((double)NAN)
 #define INFINITE ((double)INFINITY)
 
-/* ---- instruction sets ------------------------------------------------------------------------- */
+/* ---- instruction sets ------------------------------------------------------------------------ */
 
 static void test_instruction_sets(void **state)
 {
@@ -39,7 +39,7 @@ static void test_instruction_sets(void **state)
     assert_int_equal(tribo_isa_available(UINT32_MAX), 0);
 }
 
-/* ---- solve and impact ------------------------------------------------------------------------- */
+/* ---- solve and impact ------------------------------------------------------------------------ */
 
 /* Inputs and outputs of MOST contacts; outputs have a guard behind them. */
 typedef struct batch {
@@ -337,7 +337,7 @@ static void test_missing_and_shared_arrays(void **state)
     }
 }
 
-/* ---- matrices --------------------------------------------------------------------------------- */
+/* ---- matrices -------------------------------------------------------------------------------- */
 
 enum { BODIES = 2 * MOST };
 
@@ -528,7 +528,7 @@ static void test_matrices_have_the_scalar_bits(void **state)
     assert_true(refused > 100);
 }
 
-/* ---- bad input -------------------------------------------------------------------------------- */
+/* ---- bad input ------------------------------------------------------------------------------- */
 
 static void test_bad_calls(void **state)
 {

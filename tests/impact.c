@@ -97,10 +97,10 @@ static tribo_body body_of(double mass, double ixx, double iyy, double izz)
     return body;
 }
 
-/* ---- ball on a plane -------------------------------------------------------------------------- */
+/* ---- ball on a plane ------------------------------------------------------------------------- */
 
-/* 2 kg, 0.5 m, u = (-2; 14, 0), e = 1/2: sticks from mu = 14 / (7/2 * 1.5 * 2) = 4/3 on. W is diagonal,
- * so all laws but the lecture's agree. */
+/* 2 kg, 0.5 m, u = (-2; 14, 0), e = 1/2: sticks from mu = 14 / (7/2 * 1.5 * 2) = 4/3 on. W is
+ * diagonal, so all laws but the lecture's agree. */
 static tribo_body ball(void)
 {
     tribo_body body = body_of(2, 0.2, 0.2, 0.2);
@@ -193,7 +193,7 @@ static void test_stick_threshold(void **state)
     settle("thresholds, 64 eps");
 }
 
-/* ---- slender rod, double pendulum, oblique box: the one-shot law ------------------------------ */
+/* ---- slender rod, double pendulum, oblique box: the one-shot law ----------------------------- */
 
 static const double rod[6] = {2.5, 1.5, 0, 2.5, 0, 1};
 
@@ -241,8 +241,8 @@ static void test_energy_threshold(void **state)
     }
 }
 
-/* Two uniform rods of 1 kg and 1 m at 20 and 30 degrees, rates (-0.1, -0.2): W from its mass matrix.
- * The rows are recomputed to 12 digits; published gains are 58.75, 175.8 and 211.2 %. */
+/* Two uniform rods of 1 kg and 1 m at 20 and 30 degrees, rates (-0.1, -0.2): W from its mass
+ * matrix. The rows are recomputed to 12 digits; published gains are 58.75, 175.8 and 211.2 %. */
 static void test_double_pendulum(void **state)
 {
     static const double w[6] = {1.009560290504089, 1.521308658010778, 0, 2.440338045696311, 0, 1};
@@ -329,11 +329,11 @@ static void test_oblique_box(void **state)
     settle("oblique box, one-shot, 1e-9");
 }
 
-/* ---- every law, on random impacts ------------------------------------------------------------- */
+/* ---- every law, on random impacts ------------------------------------------------------------ */
 
-/* What any impulse of a contact should keep: it pushes, stays in the cone, separates, gains nothing.
- * COULOMB and ROUTH_NEWTON may break the last, the lecture's rules the second and the last, and the
- * counts must show that they do: the check is alive. */
+/* What any impulse of a contact should keep: it pushes, stays in the cone, separates, gains
+ * nothing. COULOMB and ROUTH_NEWTON may break the last, the lecture's rules the second and the
+ * last, and the counts must show that they do: the check is alive. */
 static void test_plausible_impulses(void **state)
 {
     unsigned gains[LAWS] = {0};
@@ -386,9 +386,10 @@ static void test_plausible_impulses(void **state)
     assert_true(gains[CLOSING] > 90 && gains[COULOMB] > 0 && gains[ROUTH_NEWTON] > 0);
 }
 
-/* ---- ALGEBRAIC -------------------------------------------------------------------------------- */
+/* ---- ALGEBRAIC ------------------------------------------------------------------------------- */
 
-/* Rod, u = (-1, -.4): P_I = (.4, 0), P_II = (.475, -.125). e = 1: P = (.8, 0) + kappa (.075, -.125). */
+/* Rod, u = (-1, -.4): P_I = (.4, 0), P_II = (.475, -.125). e = 1: P = (.8, 0) + kappa (.075,
+ * -.125). */
 static void test_algebraic_by_hand(void **state)
 {
     static const double u[3] = {-1, -0.4, 0};
@@ -491,10 +492,11 @@ static void test_algebraic_identity(void **state)
     assert_true(on_cone > 2000 && on_cone < 18000);
 }
 
-/* ---- static above dynamic friction ------------------------------------------------------------ */
+/* ---- static above dynamic friction ----------------------------------------------------------- */
 
-/* Ball, u = (-1; 2, 0), e = 1/2: to stick takes |p_t|/p_n = (4/7)/1.5 = .38095. Slip goes by mu_d alone.
- * Under ROUTH the contact slips from the start and never stops, so mu_s does not matter. */
+/* Ball, u = (-1; 2, 0), e = 1/2: to stick takes |p_t|/p_n = (4/7)/1.5 = .38095. Slip goes by
+ * mu_d alone. Under ROUTH the contact slips from the start and never stops, so mu_s does not
+ * matter. */
 static void test_static_and_dynamic_friction(void **state)
 {
     static const double w[6] = {1, 0, 0, 3.5, 0, 3.5};
@@ -528,7 +530,7 @@ static void test_static_and_dynamic_friction(void **state)
     settle("the lecture's rules, 64 eps");
 }
 
-/* ---- the lecture's rules against Coulomb's law ------------------------------------------------ */
+/* ---- the lecture's rules against Coulomb's law ----------------------------------------------- */
 
 static void test_slide_rules_by_hand(void **state)
 {
@@ -717,7 +719,7 @@ static void test_slide_rules_on_random_boxes(void **state)
     assert_int_equal(lecture.flagged_gains, lecture.gains);
 }
 
-/* ---- single bounces --------------------------------------------------------------------------- */
+/* ---- single bounces -------------------------------------------------------------------------- */
 
 /* From 1 m with e = 1/2: apex e^2n, and rest after sqrt(2h/g) (1+e)/(1-e) = 1.354570923 s. */
 static void test_bouncing_ball(void **state)
@@ -749,7 +751,7 @@ static void test_bouncing_ball(void **state)
     settle("apex and time, all laws");
 }
 
-/* ---- no-slip impacts on a new support --------------------------------------------------------- */
+/* ---- no-slip impacts on a new support -------------------------------------------------------- */
 
 /* A plane body turning about `old` at `rate` lands on `fresh_arm` (arms in x, z), e = 0 and so much
  * friction that it sticks. Returns rate+ / rate-, and |p_t| / p_n. */
@@ -819,7 +821,7 @@ static void test_rimless_wheel(void **state)
     settle("rate after, 64 eps");
 }
 
-/* ---- chains of balls, one contact at a time --------------------------------------------------- */
+/* ---- chains of balls, one contact at a time -------------------------------------------------- */
 
 static int collide_greatest_approach(tribo_body *balls, int n, double e)
 {
@@ -883,7 +885,7 @@ static void test_chains(void **state)
     settle("chains, 16 eps");
 }
 
-/* ---- whole collisions ------------------------------------------------------------------------- */
+/* ---- whole collisions ------------------------------------------------------------------------ */
 
 static void test_collisions_conserve(void **state)
 {
@@ -942,7 +944,8 @@ static void test_collisions_conserve(void **state)
     settle("momentum 8 and 16 eps; energy, u+ 64 eps cond; u_n+ 16 eps cond");
 }
 
-/* tribo_collide is tribo_contact_at and tribo_contact_resolve; these are made of the public parts. */
+/* tribo_collide is tribo_contact_at and tribo_contact_resolve; these are made of the public
+ * parts. */
 static void test_collide_is_its_parts(void **state)
 {
     (void)state;
@@ -1133,11 +1136,11 @@ static void test_heavy_body_is_a_wall(void **state)
     settle("heavy body, (4 m_A/m_B + 16 eps) cond");
 }
 
-/* ---- semidefinite matrices -------------------------------------------------------------------- */
+/* ---- semidefinite matrices ------------------------------------------------------------------- */
 
-/* W = 1 - e e^T, e = (1, -1, 0)/sqrt 2; u = (-1, -.3, 0). ROUTH by hand: slip at slope .5 + .5 mu until
- * u_t = 0 at p_n = .3 / (.5 + .5 mu); then slip backwards if mu < 1, else stick, where u_n stands
- * still and the contact jams. */
+/* W = 1 - e e^T, e = (1, -1, 0)/sqrt 2; u = (-1, -.3, 0). ROUTH by hand: slip at slope .5 + .5
+ * mu until u_t = 0 at p_n = .3 / (.5 + .5 mu); then slip backwards if mu < 1, else stick, where
+ * u_n stands still and the contact jams. */
 static void test_semidefinite_matrices(void **state)
 {
     static const double w[6] = {0.5, 0.5, 0, 0.5, 0, 1};
@@ -1174,7 +1177,7 @@ static void test_semidefinite_matrices(void **state)
     settle("semidefinite W, by law");
 }
 
-/* ---- infos and options of older callers ------------------------------------------------------- */
+/* ---- infos and options of older callers ------------------------------------------------------ */
 
 static void test_older_structs(void **state)
 {
@@ -1250,7 +1253,7 @@ static void test_older_options(void **state)
     assert_memory_equal(p, expected, sizeof p);
 }
 
-/* ---- bad input -------------------------------------------------------------------------------- */
+/* ---- bad input ------------------------------------------------------------------------------- */
 
 static struct {
     tribo_body a;

@@ -76,7 +76,7 @@ static tribo_impact_info impact(uint32_t law, const double w[6], const double u[
     return info;
 }
 
-/* ---- reference -------------------------------------------------------------------------------- */
+/* ---- reference ------------------------------------------------------------------------------- */
 
 /* State along the normal impulse: velocity, impulse, work of the normal impulse in its phase. */
 typedef struct path {
@@ -144,7 +144,8 @@ static int next_phase(reference *r, path *y)
     return gap(r, y) >= 0.0L;
 }
 
-/* Friction per normal impulse for one direction of slip or in stick; from there on all is linear. */
+/* Friction per normal impulse for one direction of slip or in stick; from there on all is
+ * linear. */
 static path step_linear(const reference *r, const path *y, const long double f[2], long double x)
 {
     const long double slope = r->a + r->w[0] * f[0] + r->w[1] * f[1];
@@ -344,7 +345,7 @@ static void impulse_of(const path *y, double p[3])
     p[2] = (double)y->pt[1];
 }
 
-/* ---- tables ----------------------------------------------------------------------------------- */
+/* ---- tables ---------------------------------------------------------------------------------- */
 
 static const double rod[6] = {2.5, 1.5, 0, 2.5, 0, 1};
 static const double pendulum[6] = {
@@ -561,7 +562,7 @@ static void test_oblique_box(void **state)
     settle("oblique box, 1e-9");
 }
 
-/* ---- closed form on random plane impacts ------------------------------------------------------ */
+/* ---- closed form on random plane impacts ----------------------------------------------------- */
 
 static void draw_plane(problem_random *random, double w[6], double u[3], tribo_material *pair)
 {
@@ -587,8 +588,9 @@ static void draw_plane(problem_random *random, double w[6], double u[3], tribo_m
     }
 }
 
-/* Among them start at u_t = 0, slip reversal, mu beyond Painleve's limit (u_n falls while the contact
- * slips). Where u_n all but stands still, errors grow as 1/slope: rows nearer than 1 % are left out. */
+/* Among them start at u_t = 0, slip reversal, mu beyond Painleve's limit (u_n falls while the
+ * contact slips). Where u_n all but stands still, errors grow as 1/slope: rows nearer than 1 %
+ * are left out. */
 static void test_random_plane_impacts(void **state)
 {
     problem_random random;
@@ -629,7 +631,7 @@ static void test_random_plane_impacts(void **state)
     assert_true(compared > 50000 && painleve > 500 && modes[STICK] > 5000 && modes[SLIP] > 5000);
 }
 
-/* ---- independent integration in space --------------------------------------------------------- */
+/* ---- independent integration in space -------------------------------------------------------- */
 
 static void test_random_impacts_in_space(void **state)
 {
@@ -679,7 +681,7 @@ static void test_random_impacts_in_space(void **state)
     assert_true(compared > 400 && modes[STICK] > 50 && modes[SLIP] > 50);
 }
 
-/* ---- what the law guarantees ------------------------------------------------------------------ */
+/* ---- what the law guarantees ----------------------------------------------------------------- */
 
 static double energy_scale(const double w[6], const double u[3], const double p[3])
 {
@@ -692,9 +694,9 @@ static double energy_scale(const double w[6], const double u[3], const double p[
     return v * v / fmax(w[0], fmax(w[3], w[5]));
 }
 
-/* A positive definite W never jams. With Stronge's hypothesis energy cannot grow: the normal work sums
- * to (1 - e^2) of the negative work of compression, and friction never works forward. With Poisson's it
- * did not on any of these; with Newton's it does. */
+/* A positive definite W never jams. With Stronge's hypothesis energy cannot grow: the normal
+ * work sums to (1 - e^2) of the negative work of compression, and friction never works forward.
+ * With Poisson's it did not on any of these; with Newton's it does. */
 static void test_definite_matrices_never_jam(void **state)
 {
     unsigned gains[3] = {0, 0, 0};
@@ -783,7 +785,8 @@ static void test_painleve_rod(void **state)
     settle("Painleve's rod, 64 eps cond");
 }
 
-/* u_t = 0 at the start: stick if |D^-1 w| <= mu_s, else slip in one direction, known in closed form. */
+/* u_t = 0 at the start: stick if |D^-1 w| <= mu_s, else slip in one direction, known in closed
+ * form. */
 static void test_start_without_slip(void **state)
 {
     static const double u[3] = {-1, 0, 0};
