@@ -75,10 +75,10 @@ static tribo_status matrix_one(size_t body_count, const tribo_body *bodies, cons
     double frame[9];
     tribo_status status = lanes_check_pair(body_count, bodies, pair, ends);
     if (status == TRIBO_OK) {
-        status = tribo_basis_from_normal(contact->normal, frame);
+        status = tribo_contact_check(contact);
     }
     if (status == TRIBO_OK) {
-        status = tribo_contact_check(contact);
+        status = tribo_basis_from_normal(contact->normal, frame);
     }
     if (status == TRIBO_OK) {
         /* Both ends may be the world, which is one object. */

@@ -499,7 +499,9 @@ tribo_status tribo_body_advance(tribo_body *body, const double acceleration[3], 
     }
     for (int i = 0; i < 3; i++) {
         moved.position[i] += dt * (moved.velocity[i] + 0.5 * dt * a[i]);
-        moved.velocity[i] += dt * a[i];
+        if (a[i] != 0.0) {
+            moved.velocity[i] += dt * a[i];
+        }
     }
     status = turn_body(&moved, dt);
     if (status == TRIBO_OK) {

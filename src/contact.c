@@ -540,23 +540,25 @@ uint32_t tribo_cone_contains(const double p[3], double mu, double tolerance)
     return p[0] >= 0.0 && planar_length(p[1], p[2]) <= mu * p[0] * (1.0 + tolerance);
 }
 
-/* Three numbers of any size brought to at most 1/8, so that sums and lengths of them are finite. */
-static double scale_down(const double x[3], double scaled[3])
+/* Numbers of any size brought near 2^900: sums and lengths of them are finite, and their products with the
+ * least mu are normal numbers. Returns the first of the two factors. */
+#define CONE_LIFT 8.452712498170644e+270 /* 2^900 */
+
+static double scale_for_cone(const double x[3], double scaled[3])
 {
-    const double big = greatest_diagonal(x[0], x[1], x[2]);
-    const double s = 0.0625 * power_of_two(scale_exponent(big));
+    const double s = power_of_two(scale_exponent(greatest_diagonal(x[0], x[1], x[2])));
     for (int i = 0; i < 3; i++) {
-        scaled[i] = s * x[i];
+        scaled[i] = s * x[i] * CONE_LIFT;
     }
     return s;
 }
 
 /* Back to the caller's units; TRIBO_ERROR_RANGE if that is beyond double. */
-static tribo_status scale_up(const double scaled[3], double s, double out[3])
+static tribo_status unscale_from_cone(const double scaled[3], double s, double out[3])
 {
     double x[3];
     for (int i = 0; i < 3; i++) {
-        x[i] = scaled[i] / s;
+        x[i] = scaled[i] / CONE_LIFT / s;
     }
     if (!all_finite(x, 3)) {
         return TRIBO_ERROR_RANGE;
@@ -582,9 +584,9 @@ tribo_status tribo_cone_project(const double p[3], double mu, double out[3])
     tribo_status status = check_cone(p, mu, out);
     if (status == TRIBO_OK) {
         double scaled[3];
-        const double s = scale_down(p, scaled);
+        const double s = scale_for_cone(p, scaled);
         cone_project(scaled, mu, scaled);
-        status = scale_up(scaled, s, out);
+        status = unscale_from_cone(scaled, s, out);
     }
     if (status == TRIBO_OK) {
         step_into_cone(out, mu);
@@ -599,11 +601,11 @@ tribo_status tribo_cone_project_dual(const double x[3], double mu, double out[3]
         /* Moreau: x = P_K*(x) - P_K(-x). */
         double scaled[3];
         double polar[3];
-        const double s = scale_down(x, scaled);
+        const double s = scale_for_cone(x, scaled);
         const double minus[3] = {-scaled[0], -scaled[1], -scaled[2]};
         cone_project(minus, mu, polar);
         tribo_vec3_add(scaled, polar, scaled);
-        status = scale_up(scaled, s, out);
+        status = unscale_from_cone(scaled, s, out);
     }
     return status;
 }

@@ -31,10 +31,10 @@ int cli_error_at(const char *file, unsigned long line, unsigned long column, con
 enum { CLI_LAWS = 8 };
 extern const char *const cli_law_names[CLI_LAWS];
 
-/** Number of the law called `name`, or CLI_USAGE'd: -1 after a message that lists the names. */
+/** Find the number of the law called `name`; -1 after a message that lists the names. */
 int cli_law_find(const char *name, uint32_t *law);
 
-/** The whole of `text` as a finite number; -1 after a message that names `option`. */
+/** Read the whole of `text` as a finite number; -1 after a message that names `option`. */
 int cli_number(const char *option, const char *text, double *number);
 
 /** "open", "stick", "slip" or "jam". */

@@ -1,6 +1,9 @@
 #include "tumble.h"
 
-enum { CORNERS = 8, IMPACTS_AT_MOST = 100 };
+enum {
+    CORNERS = 8,
+    IMPACTS_AT_MOST = 100 /* in one part of a step; what is left waits for the next one */
+};
 
 /* Impacts end when no corner approaches faster than this, m/s: a resting box then sinks by less
  * than 0.1 mm in a second. */
