@@ -360,6 +360,42 @@ static void test_jam(void **state)
     }
 }
 
+/* Tangents along which nothing can move: friction cannot change the sliding there, and opposes it
+ * with all it has; where nothing slides it sticks. mu = 1/2. */
+static void test_locked_tangents(void **state)
+{
+    static const struct {
+        double d[2]; /* W = diag(1, d) */
+        double b[2];
+        double p[2];
+        uint32_t mode;
+    } rows[] = {
+        {{0, 0}, {0, 0}, {0, 0}, STICK},        {{0, 0}, {0.1, 0}, {-0.5, 0}, SLIP},
+        {{0, 0}, {0, 1e-9}, {0, -0.5}, SLIP},   {{0, 0}, {-3, 4}, {0.3, -0.4}, SLIP},
+        {{1, 0}, {0.25, 0}, {-0.25, 0}, STICK}, {{0, 1}, {0, 0.25}, {0, -0.25}, STICK},
+        {{1, 0}, {2, 0}, {-0.5, 0}, SLIP},      {{0, 1}, {0, -2}, {0, 0.5}, SLIP},
+        {{1, 0}, {0, 2}, {0, -0.5}, SLIP},      {{0, 1}, {-2, 0}, {0.5, 0}, SLIP},
+        {{1, 0}, {0, 1e-9}, {0, -0.5}, SLIP},   {{0, 1}, {1e-9, 0}, {-0.5, 0}, SLIP},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        const double w[6] = {1, 0, 0, rows[i].d[0], 0, rows[i].d[1]};
+        const double b[3] = {-1, rows[i].b[0], rows[i].b[1]};
+        const double expected[3] = {1, rows[i].p[0], rows[i].p[1]};
+        double full[9];
+        double p[3];
+        tribo_solve_info info = {.struct_size = sizeof info};
+        full_matrix(w, full);
+        assert_int_equal(tribo_contact_solve(w, b, 0.5, 0.5, p, &info), TRIBO_OK);
+        within(distance(p, expected, 3), 64 * EPS);
+        assert_int_equal(info.mode, rows[i].mode);
+        assert_int_equal(tribo_contact_solve_general(full, b, 0.5, 0.5, p, &info), TRIBO_OK);
+        within(distance(p, expected, 3), 64 * EPS);
+        assert_int_equal(info.mode, rows[i].mode);
+    }
+    settle("locked tangents, 64 eps");
+}
+
 /* Stick is tested with mu_s, slip goes by mu_d. Here |p_t|/p_n = 0.42592 would stick. */
 static void test_static_and_dynamic_friction(void **state)
 {
@@ -1629,6 +1665,7 @@ int main(void)
         TEST(test_three_solutions),
         TEST(test_scaling_is_exact),
         TEST(test_jam),
+        TEST(test_locked_tangents),
         TEST(test_static_and_dynamic_friction),
         TEST(test_limits_of_friction),
         TEST(test_extreme_sizes),
