@@ -396,6 +396,62 @@ static void test_locked_tangents(void **state)
     settle("locked tangents, 64 eps");
 }
 
+/* Of rank 2 (a body held at one more point, say), with b = -W p for a p well inside of the cone:
+ * that p is a solution, so one has to be found. With b . z = 0 for W z = 0 there is no jam. */
+static void test_singular_matrices_that_stick(void **state)
+{
+    problem_random random;
+    unsigned refused = 0;
+    (void)state;
+    problem_random_start(&random, 37, 0, 0);
+    for (int i = 0; i < 20000; i++) {
+        double a[2][3];
+        double w[6];
+        double p[3] = {1, 0, 0};
+        double b[3];
+        double full[9];
+        const double mu = problem_random_uniform(&random, 0.1, 1.0);
+        for (int k = 0; k < 3; k++) {
+            a[0][k] = i % 4 == 3 && k > 0 ? 0.0 : problem_random_normal(&random);
+            a[1][k] = problem_random_normal(&random);
+        }
+        if (i % 4 == 1 || i % 4 == 2) { /* one tangent locked */
+            a[0][i % 4] = a[1][i % 4] = 0.0;
+        }
+        for (int k = 0, entry = 0; k < 3; k++) {
+            for (int l = k; l < 3; l++) {
+                w[entry++] = a[0][k] * a[0][l] + a[1][k] * a[1][l];
+            }
+        }
+        /* a null vector in the cone would jam under the least disturbance */
+        double z[3];
+        tribo_vec3_cross(a[0], a[1], z);
+        if (hypot(z[1], z[2]) < 1.1 * mu * fabs(z[0])) {
+            continue;
+        }
+        problem_random_direction(&random, 2, p + 1);
+        const double share = mu * problem_random_uniform(&random, 0.0, 0.9);
+        p[1] *= share;
+        p[2] *= share;
+        tribo_sym3_apply(w, p, b);
+        tribo_vec3_scale(-1.0, b, b);
+        full_matrix(w, full);
+        for (int general = 0; general < 2 && b[0] < 0.0; general++) {
+            const tribo_status status = general
+                                            ? tribo_contact_solve_general(full, b, mu, mu, p, NULL)
+                                            : tribo_contact_solve(w, b, mu, mu, p, NULL);
+            if (status != TRIBO_OK) {
+                refused++;
+                continue;
+            }
+            within(quad_eta(w, b, mu, p), 1e-9);
+        }
+    }
+    print_message("# refused %u of 40000\n", refused);
+    settle("eta 1e-9");
+    assert_int_equal(refused, 0);
+}
+
 /* Stick is tested with mu_s, slip goes by mu_d. Here |p_t|/p_n = 0.42592 would stick. */
 static void test_static_and_dynamic_friction(void **state)
 {
@@ -1666,6 +1722,7 @@ int main(void)
         TEST(test_scaling_is_exact),
         TEST(test_jam),
         TEST(test_locked_tangents),
+        TEST(test_singular_matrices_that_stick),
         TEST(test_static_and_dynamic_friction),
         TEST(test_limits_of_friction),
         TEST(test_extreme_sizes),
