@@ -49,10 +49,10 @@ build()
 # compare NAME "ISA..." COMMAND...
 compare()
 {
-    local name=$1 isas=$2 isa out status
+    local name=$1 isas=$2 isa out status errors=$work/${1//[^a-zA-Z0-9]/-}.errors
     shift 2
     for isa in $isas; do
-        out=$(TRIBO_ISA=$isa "$@" 2>&1)
+        out=$(TRIBO_ISA=$isa "$@" 2>"$errors")
         status=$?
         if [ $status -eq 77 ]; then
             echo "ok - $name, $isa # SKIP this machine has no $isa"
@@ -62,6 +62,7 @@ compare()
             echo "not ok - $name, $isa"
             echo "# exit status $status; differs in:" \
                 "$(diff <(echo "$out") $golden | grep '^<' | tr -s '\n' ' ')"
+            sed 's/^/# /' "$errors"
         fi
     done
 }
