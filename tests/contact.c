@@ -534,6 +534,21 @@ static void test_extreme_sizes(void **state)
         within(distance(p, q, 3), 64.0 * EPS * 4.0 * tribo_vec3_norm(p));
     }
     settle("W and b times 1e-290 to 1e290, 64 eps cond");
+    /* the ends of the range are in it */
+    static const double ends[2] = {0x1p-1000, 0x1p1000};
+    for (int i = 0; i < 4; i++) {
+        const double m = ends[i / 2];
+        const double bound = ends[i % 2];
+        const double end_w[6] = {m, 0, 0, m, 0, m};
+        const double end_b[3] = {-bound, 0, 0};
+        if (i == 1) { /* p would be 2^2000 */
+            assert_int_equal(tribo_contact_solve(end_w, end_b, 0.5, 0.5, p, NULL),
+                             TRIBO_ERROR_RANGE);
+            continue;
+        }
+        assert_int_equal(tribo_contact_solve(end_w, end_b, 0.5, 0.5, p, NULL), TRIBO_OK);
+        assert_true(p[0] == ldexp(1.0, i == 2 ? -2000 : 0) && p[1] == 0.0 && p[2] == 0.0);
+    }
     /* b_n far below b_t */
     static const double grazing[] = {-1e-100, -1e-300, -5e-324};
     for (int i = 0; i < 3; i++) {
