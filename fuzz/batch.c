@@ -194,7 +194,8 @@ static uint32_t make_problems(property_trial *t, problems *q)
 static tribo_status alone(const problems *q, uint32_t impact, uint32_t i, double *p, uint32_t *mode)
 {
     tribo_solve_info solve = {.struct_size = sizeof solve};
-    tribo_impact_info info = {.struct_size = sizeof info};
+    /* asks for the mode alone: energy may be beyond double where p is not */
+    tribo_impact_info info = {.struct_size = 2 * sizeof(uint32_t)};
     tribo_status status;
     if (impact) {
         status = tribo_impact(q->w + 6 * i, q->b + 3 * i, &q->pairs[i], NULL, p, &info);

@@ -73,6 +73,8 @@ tribo_status tribo_audit_change(const tribo_totals *before, const tribo_totals *
     return TRIBO_OK;
 }
 
+enum { FIELDS = sizeof(tribo_measures) / sizeof(double) };
+
 /* ---- contacts -------------------------------------------------------------------------------- */
 
 static double length_of(const double x[3])
@@ -129,12 +131,13 @@ static tribo_status pose_problem(const double w[6], const double b[3], const dou
 
 static double natural_map(const audit_problem *a, double mu)
 {
-    const double rho = 1.0 / (a->greatest * greater(1.0, mu));
+    /* rho and rho mu apart: mu |v_t| may be beyond double where rho mu |v_t| is not. */
+    const double rho = 1.0 / greater(1.0, mu) / a->greatest;
+    const double rho_mu = lesser(1.0, mu) / a->greatest;
     const double sliding = planar_length(a->v[1], a->v[2]);
     double moved[3];
     for (int i = 0; i < 3; i++) {
-        const double velocity = a->v[i] + (i == 0 ? mu * sliding : 0.0);
-        moved[i] = a->p[i] - rho * velocity;
+        moved[i] = a->p[i] - (rho * a->v[i] + (i == 0 ? rho_mu * sliding : 0.0));
     }
     cone_project(moved, mu, moved);
     tribo_vec3_subtract(a->p, moved, moved);
@@ -147,8 +150,8 @@ static void measure(const audit_problem *a, double mu, double unscale, tribo_mea
     const double friction = planar_length(a->p[1], a->p[2]);
     const double impulse = a->p[0] / a->impulse_scale;
     const double velocity = a->v[0] / a->velocity_scale;
-    const double across[3] = {0.0, sliding * a->p[1] + mu * a->p[0] * a->v[1],
-                              sliding * a->p[2] + mu * a->p[0] * a->v[2]};
+    const double across[3] = {0.0, sliding * a->p[1] + a->p[0] * a->v[1] * mu,
+                              sliding * a->p[2] + a->p[0] * a->v[2] * mu};
     const double product = a->impulse_scale * a->velocity_scale;
     double both[3];
     tribo_vec3_add(a->b, a->v, both);
@@ -187,7 +190,7 @@ static tribo_status audit(const double w[6], const double b[3], double mu, const
         const double image = length_of(p) * greatest;
         measure(a, mu, 1.0 / power_of_two(scale_exponent(greater(length_of(b), image))), out);
     }
-    return TRIBO_OK;
+    return all_finite(&out->eta, FIELDS) ? TRIBO_OK : TRIBO_ERROR_RANGE;
 }
 
 tribo_status tribo_audit_contact(const double w[6], const double b[3], double mu, const double p[3],
@@ -245,8 +248,6 @@ tribo_status tribo_audit_impact(const double w[6], const double u[3], const trib
     }
     return TRIBO_OK;
 }
-
-enum { FIELDS = sizeof(tribo_measures) / sizeof(double) };
 
 tribo_status tribo_audit_contacts(size_t count, const double *w, const double *b, const double *mu,
                                   const double *p, tribo_measures *max, tribo_measures *rms)

@@ -48,8 +48,8 @@ const char *tribo_isa_name(uint32_t isa)
 
 /* ---- one contact after the other ------------------------------------------------------------- */
 
-tribo_status lanes_check_pair(size_t body_count, const tribo_body *bodies, const uint32_t pair[2],
-                              const tribo_body *ends[2])
+tribo_status lanes_find_pair(size_t body_count, const tribo_body *bodies, const uint32_t pair[2],
+                             const tribo_body *ends[2])
 {
     static const tribo_body world = {.orientation = {1.0, 0.0, 0.0, 0.0}};
     int known = 1;
@@ -61,11 +61,7 @@ tribo_status lanes_check_pair(size_t body_count, const tribo_body *bodies, const
     if (!known) {
         return TRIBO_ERROR_INDEX;
     }
-    if (pair[0] == pair[1] && pair[0] != TRIBO_WORLD) {
-        return TRIBO_ERROR_ALIAS;
-    }
-    const tribo_status status = tribo_body_check(ends[0]);
-    return status == TRIBO_OK ? tribo_body_check(ends[1]) : status;
+    return pair[0] == pair[1] && pair[0] != TRIBO_WORLD ? TRIBO_ERROR_ALIAS : TRIBO_OK;
 }
 
 static tribo_status matrix_one(size_t body_count, const tribo_body *bodies, const uint32_t pair[2],
@@ -73,7 +69,7 @@ static tribo_status matrix_one(size_t body_count, const tribo_body *bodies, cons
 {
     const tribo_body *ends[2];
     double frame[9];
-    tribo_status status = lanes_check_pair(body_count, bodies, pair, ends);
+    tribo_status status = lanes_find_pair(body_count, bodies, pair, ends);
     if (status == TRIBO_OK) {
         status = tribo_contact_check(contact);
     }

@@ -356,6 +356,12 @@ static void matrix_lanes(const lane_body ends[2], lane_row *frame, lane_row *w)
     }
 }
 
+static tribo_status judge_bodies(const tribo_body *const ends[2])
+{
+    const tribo_status status = tribo_body_check(ends[0]);
+    return status == TRIBO_OK ? tribo_body_check(ends[1]) : status;
+}
+
 /* Load up to eight contacts; lanes beyond `count` repeat the last. */
 static void load_contacts(size_t body_count, const tribo_body *bodies, size_t count,
                           const uint32_t *pairs, const tribo_contact *contacts, lane_body ends[2],
@@ -363,14 +369,18 @@ static void load_contacts(size_t body_count, const tribo_body *bodies, size_t co
 {
     const tribo_body *pair[2] = {NULL, NULL};
     tribo_status pair_status = TRIBO_OK;
+    tribo_status body_status = TRIBO_OK;
     for (int i = 0; i < LANES; i++) {
         const size_t at = (size_t)i < count ? (size_t)i : count - 1;
         const uint32_t *now = pairs + 2 * at;
         /* The points of a manifold follow each other; their bodies are judged once. */
         if (at == 0 || now[0] != now[-2] || now[1] != now[-1]) {
-            pair_status = lanes_check_pair(body_count, bodies, now, pair);
+            pair_status = lanes_find_pair(body_count, bodies, now, pair);
+            body_status = judge_bodies(pair);
         }
-        statuses[i] = pair_status != TRIBO_OK ? pair_status : tribo_contact_check(contacts + at);
+        const tribo_status contact_status = tribo_contact_check(contacts + at);
+        const tribo_status geometry = pair_status != TRIBO_OK ? pair_status : contact_status;
+        statuses[i] = geometry != TRIBO_OK ? geometry : body_status;
         load_body(pair[0], contacts[at].arm_a, i, &ends[0]);
         load_body(pair[1], contacts[at].arm_b, i, &ends[1]);
         for (int k = 0; k < 3; k++) {

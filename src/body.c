@@ -9,13 +9,6 @@
 #define INERTIA_TOLERANCE 1e-12
 #define MAX_TURN 1e5 /* radians in one call of tribo_body_advance */
 
-/* A body is doubles from its first field to its last, and is judged as one array of them. */
-enum { BODY_FIELDS = sizeof(tribo_body) / sizeof(double) };
-typedef char body_has_no_padding[offsetof(tribo_body, inverse_inertia) == 14 * sizeof(double) &&
-                                         sizeof(tribo_body) == 20 * sizeof(double)
-                                     ? 1
-                                     : -1];
-
 tribo_status tribo_body_init(tribo_body *body)
 {
     if (!body) {
@@ -77,7 +70,11 @@ tribo_status tribo_body_check(const tribo_body *body)
     if (!body) {
         return TRIBO_ERROR_NULL;
     }
-    if (!all_finite(body->position, BODY_FIELDS)) {
+    const double pose = finite_probe(body->position, 3) + finite_probe(body->orientation, 4);
+    const double rates = finite_probe(body->velocity, 3) + finite_probe(body->angular_velocity, 3);
+    const double masses =
+        finite_probe(&body->inverse_mass, 1) + finite_probe(body->inverse_inertia, 6);
+    if (!(pose + rates + masses == 0.0)) {
         return TRIBO_ERROR_NOT_FINITE;
     }
     const double *q = body->orientation;

@@ -45,11 +45,9 @@ static inline void cone_project(const double p[3], double mu, double out[3])
         normal = (n + mu * r) / (1.0 + mu * mu);
         planar = mu * normal;
     }
-    const double held = normal > 0.0 ? normal : 0.0;
-    const double ratio = r > 0.0 && planar > 0.0 ? planar / r : 0.0;
-    out[0] = held;
-    out[1] = ratio * p[1];
-    out[2] = ratio * p[2];
+    out[0] = normal > 0.0 ? normal : 0.0;
+    out[1] = planar > 0.0 ? planar * (p[1] / r) : 0.0;
+    out[2] = planar > 0.0 ? planar * (p[2] / r) : 0.0;
 }
 
 #endif

@@ -8,9 +8,6 @@
 #define FRAME_TOLERANCE 1e-9
 #define NORMAL_TOLERANCE 1e-12
 
-/* Nothing but doubles, judged as one array of them. */
-enum { CONTACT_FIELDS = sizeof(tribo_contact) / sizeof(double) };
-
 /* ---- structs that may be older than this library --------------------------------------------- */
 
 static int size_is_known(uint32_t size, size_t newest)
@@ -59,7 +56,9 @@ tribo_status tribo_contact_check(const tribo_contact *contact)
     if (!contact) {
         return TRIBO_ERROR_NULL;
     }
-    if (!all_finite(contact->normal, CONTACT_FIELDS)) {
+    const double probe = finite_probe(contact->normal, 3) + finite_probe(contact->arm_a, 3) +
+                         finite_probe(contact->arm_b, 3);
+    if (!(probe == 0.0)) {
         return TRIBO_ERROR_NOT_FINITE;
     }
     return is_unit(contact->normal) ? TRIBO_OK : TRIBO_ERROR_NORMAL;
@@ -540,8 +539,8 @@ uint32_t tribo_cone_contains(const double p[3], double mu, double tolerance)
     return p[0] >= 0.0 && planar_length(p[1], p[2]) <= mu * p[0] * (1.0 + tolerance);
 }
 
-/* Numbers of any size brought near 2^900: sums and lengths of them are finite, and their products with the
- * least mu are normal numbers. Returns the first of the two factors. */
+/* Numbers of any size brought near 2^900: sums and lengths of them are finite, and their products
+ * with the least mu are normal numbers. Returns the first of the two factors. */
 #define CONE_LIFT 8.452712498170644e+270 /* 2^900 */
 
 static double scale_for_cone(const double x[3], double scaled[3])
@@ -558,7 +557,8 @@ static tribo_status unscale_from_cone(const double scaled[3], double s, double o
 {
     double x[3];
     for (int i = 0; i < 3; i++) {
-        x[i] = scaled[i] / CONE_LIFT / s;
+        /* No step goes below the least normal number unless the result does. */
+        x[i] = s <= 1.0 ? scaled[i] / (CONE_LIFT * s) : scaled[i] / CONE_LIFT / s;
     }
     if (!all_finite(x, 3)) {
         return TRIBO_ERROR_RANGE;

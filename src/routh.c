@@ -22,7 +22,8 @@ enum { ORDER = 20, MAX_PIECES = 4000 };
 typedef struct routh_state {
     double un, ut[2];
     double pn, pt[2];
-    double work; /* integral of u_n dp_n since the last end of compression */
+    double coupled; /* integral of u_n w . dp_t since the last end of compression */
+    double work;    /* integral of u_n dp_n since then */
 } routh_state;
 
 typedef struct routh_problem {
@@ -34,6 +35,7 @@ typedef struct routh_problem {
     int restituting;
     double compression; /* p_n at greatest compression */
     double spent;       /* integral of u_n dp_n up to there, negative */
+    double reference;   /* u_n where state.work counts from */
     double goal;        /* u_n, p_n or work at which restitution ends, by law */
 } routh_problem;
 
@@ -61,9 +63,14 @@ static double phase_goal(const routh_problem *c)
     return c->restituting ? c->goal : 0.0;
 }
 
+static int ends_by_velocity(const routh_problem *c)
+{
+    return !c->restituting || c->law == TRIBO_LAW_ROUTH_NEWTON;
+}
+
 static double phase_value(const routh_problem *c, const routh_state *state)
 {
-    if (!c->restituting || c->law == TRIBO_LAW_ROUTH_NEWTON) {
+    if (ends_by_velocity(c)) {
         return state->un;
     }
     return c->law == TRIBO_LAW_ROUTH_POISSON ? state->pn : state->work;
@@ -75,13 +82,25 @@ static int may_compress_again(const routh_problem *c)
     return c->restituting && c->law != TRIBO_LAW_ROUTH_NEWTON;
 }
 
+/* A phase that ends by u_n ends exactly there: p_n follows from p_t, free of what rounding added up. */
+static void meet_goal(const routh_problem *c, routh_state *state)
+{
+    if (ends_by_velocity(c)) {
+        const double coupled = c->w[0] * state->pt[0] + c->w[1] * state->pt[1];
+        state->un = phase_goal(c);
+        state->pn = (state->un - c->start - coupled) / c->a;
+    }
+}
+
 /* Compression has ended; returns 1 if restitution has nothing to do. */
 static int begin_restitution(routh_problem *c, routh_state *state)
 {
     c->restituting = 1;
     c->compression = state->pn;
     c->spent += state->work;
+    c->reference = 0.0;
     state->work = 0.0;
+    state->coupled = 0.0;
     switch (c->law) {
     case TRIBO_LAW_ROUTH_NEWTON:
         c->goal = -c->e * c->start;
@@ -112,15 +131,30 @@ static double phase_length(const routh_problem *c, const routh_state *state, dou
     return slope > 0.0 ? gap / slope : -1.0;
 }
 
-static void advance_linearly(const routh_slope *slope, double length, routh_state *state)
+/* Work of the normal impulse: with du_n = a dp_n + w . dp_t, it is exact where nothing couples. */
+static double normal_work(const routh_problem *c, double un, double coupled)
 {
-    state->work += length * (state->un + 0.5 * length * slope->un);
-    state->un += length * slope->un;
+    return (0.5 * (un * un - c->reference * c->reference) - coupled) / c->a;
+}
+
+/* u_n and the work follow from the impulse: rounding of the pieces does not add up in them. */
+static void renew_velocity(const routh_problem *c, routh_state *state)
+{
+    state->un = c->start + (c->a * state->pn + (c->w[0] * state->pt[0] + c->w[1] * state->pt[1]));
+    state->work = normal_work(c, state->un, state->coupled);
+}
+
+static void advance_linearly(const routh_problem *c, const routh_slope *slope, double length,
+                             routh_state *state)
+{
+    const double pull = c->w[0] * slope->pt[0] + c->w[1] * slope->pt[1];
+    state->coupled += length * (state->un + 0.5 * length * slope->un) * pull;
     state->pn += length;
     for (int i = 0; i < 2; i++) {
         state->ut[i] += length * slope->ut[i];
         state->pt[i] += length * slope->pt[i];
     }
+    renew_velocity(c, state);
 }
 
 /* Go along until slip stops (after `room` of normal impulse; negative: never) or the impact ends.
@@ -137,14 +171,15 @@ static int run_linearly(routh_problem *c, const routh_slope *slope, double room,
             }
         }
         if (room >= 0.0 && (length < 0.0 || length > room)) {
-            advance_linearly(slope, room, state);
+            advance_linearly(c, slope, room, state);
             state->ut[0] = state->ut[1] = 0.0;
             return 0;
         }
         if (length < 0.0 || !(length - length == 0.0)) {
             return -1;
         }
-        advance_linearly(slope, length, state);
+        advance_linearly(c, slope, length, state);
+        meet_goal(c, state);
         room = room >= 0.0 ? greater(room - length, 0.0) : room;
         if (c->restituting || begin_restitution(c, state)) {
             return 1;
@@ -246,7 +281,9 @@ static int run_from_rest(routh_problem *c, routh_state *state, double *mode)
 
 typedef struct routh_series {
     double x[ORDER + 1], y[ORDER + 1], r[ORDER + 1];
-    double un[ORDER + 1], pn[ORDER + 1], px[ORDER + 1], py[ORDER + 1], work[ORDER + 1];
+    double un[ORDER + 1], pn[ORDER + 1], px[ORDER + 1], py[ORDER + 1];
+    double pull[ORDER + 1],
+        coupled[ORDER + 1]; /* w . dp_t/dtau, and the integral of u_n times that */
 } routh_series;
 
 static double convolve(const double *a, const double *b, int from, int to, int k)
@@ -267,7 +304,7 @@ static void expand(const routh_problem *c, const routh_state *state, routh_serie
     t->pn[0] = state->pn;
     t->px[0] = state->pt[0];
     t->py[0] = state->pt[1];
-    t->work[0] = state->work;
+    t->coupled[0] = state->coupled;
     t->r[0] = length_of(state->ut);
     for (int k = 0; k < ORDER; k++) {
         const double share = 1.0 / (k + 1);
@@ -285,7 +322,8 @@ static void expand(const routh_problem *c, const routh_state *state, routh_serie
         t->pn[k + 1] = share * t->r[k];
         t->px[k + 1] = -share * mu * t->x[k];
         t->py[k + 1] = -share * mu * t->y[k];
-        t->work[k + 1] = share * convolve(t->un, t->r, 0, k, k);
+        t->pull[k] = -mu * fn;
+        t->coupled[k + 1] = share * convolve(t->un, t->pull, 0, k, k);
     }
 }
 
@@ -298,15 +336,15 @@ static double sum_series(const double *terms, double tau)
     return sum;
 }
 
-static void evaluate(const routh_series *t, double tau, routh_state *state)
+static void evaluate(const routh_problem *c, const routh_series *t, double tau, routh_state *state)
 {
     state->ut[0] = sum_series(t->x, tau);
     state->ut[1] = sum_series(t->y, tau);
-    state->un = sum_series(t->un, tau);
     state->pn = sum_series(t->pn, tau);
     state->pt[0] = sum_series(t->px, tau);
     state->pt[1] = sum_series(t->py, tau);
-    state->work = sum_series(t->work, tau);
+    state->coupled = sum_series(t->coupled, tau);
+    renew_velocity(c, state);
 }
 
 /* Greatest step, by halves, whose last two terms are negligible beside |u_t|. */
@@ -329,18 +367,25 @@ static double series_step(const routh_problem *c, const routh_series *t)
     return h;
 }
 
+/* phase_value at tau, from no more series than it needs. */
+static double series_value(const routh_problem *c, const routh_series *t, double tau)
+{
+    if (c->restituting && c->law == TRIBO_LAW_ROUTH_POISSON) {
+        return sum_series(t->pn, tau);
+    }
+    const double un = sum_series(t->un, tau);
+    return ends_by_velocity(c) ? un : normal_work(c, un, sum_series(t->coupled, tau));
+}
+
 /* tau in (0, h] at which the phase ends, known to end within; bisection on bit patterns. */
 static double event_time(const routh_problem *c, const routh_series *t, double h)
 {
-    const int by_velocity = !c->restituting || c->law == TRIBO_LAW_ROUTH_NEWTON;
-    const double *by_law = c->law == TRIBO_LAW_ROUTH_POISSON ? t->pn : t->work;
-    const double *terms = by_velocity ? t->un : by_law;
     const double goal = phase_goal(c);
     uint64_t low = 0;
     uint64_t high = bits_of(h);
     while (high - low > 1) {
         const uint64_t middle = low + (high - low) / 2;
-        if (sum_series(terms, double_of(middle)) >= goal) {
+        if (series_value(c, t, double_of(middle)) >= goal) {
             high = middle;
         } else {
             low = middle;
@@ -356,10 +401,11 @@ static int run_turning(routh_problem *c, routh_state *state)
     routh_state next;
     expand(c, state, &t);
     const double h = series_step(c, &t);
-    evaluate(&t, h, &next);
+    evaluate(c, &t, h, &next);
     const int goes_on = phase_value(c, &next) < phase_goal(c);
     if (!goes_on) {
-        evaluate(&t, event_time(c, &t, h), &next);
+        evaluate(c, &t, event_time(c, &t, h), &next);
+        meet_goal(c, &next);
     }
     *state = next;
     if (may_compress_again(c) && next.un < 0.0) {
@@ -416,6 +462,7 @@ double routh_scaled(const kernel_problem *problem, const tribo_material *pair, u
     c.rate = absolute(c.w[0]) + absolute(c.w[1]) + c.mu_d * (c.d[0] + c.d[2]);
     c.law = law;
     c.start = problem->bn;
+    c.reference = problem->bn;
     state.un = problem->bn;
     state.ut[0] = problem->b1;
     state.ut[1] = problem->b2;
@@ -437,9 +484,13 @@ double routh_scaled(const kernel_problem *problem, const tribo_material *pair, u
     if (ended < 0) {
         return KERNEL_JAM;
     }
+    /* What rounding put outside of the cone comes back. */
+    const double friction = length_of(state.pt);
+    const double limit = c.mu_s * state.pn;
+    const double share = friction > limit ? limit / friction : 1.0;
     p[0] = state.pn;
-    p[1] = state.pt[0];
-    p[2] = state.pt[1];
+    p[1] = share * state.pt[0];
+    p[2] = share * state.pt[1];
     info->compression = c.compression;
     return mode;
 }

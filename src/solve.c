@@ -2,6 +2,45 @@
 
 #include "cone.h"
 
+/* ---- spectrum of a symmetric 2x2 matrix --------------------------------------------------------
+ * */
+
+typedef struct spectrum {
+    double lam1, lam2; /* lam1 >= lam2 */
+    double x, y;       /* unit eigenvector of lam1 */
+} spectrum;
+
+static spectrum decompose(double s11, double s12, double s22)
+{
+    spectrum e;
+    /* (r + |d|, s12) is along lam1 if d >= 0, across it else: no cancellation. */
+    const double d = 0.5 * (s11 - s22);
+    const double r = sqrt(d * d + s12 * s12);
+    const double along = r + absolute(d);
+    const double length = sqrt(along * along + s12 * s12);
+    const double major = length > 0.0 ? along / length : 1.0;
+    const double minor = length > 0.0 ? s12 / length : 0.0;
+    e.x = d >= 0.0 ? major : minor;
+    e.y = d >= 0.0 ? minor : major;
+    e.lam1 = 0.5 * (s11 + s22) + r;
+    e.lam2 = e.lam1 > 0.0 ? (s11 * s22 - s12 * s12) / e.lam1 : 0.0;
+    return e;
+}
+
+static void to_eigenbasis(const spectrum *e, double c1, double c2, double out[2])
+{
+    out[0] = e->x * c1 + e->y * c2;
+    out[1] = e->x * c2 - e->y * c1;
+}
+
+static void from_eigenbasis(const spectrum *e, const double c[2], double out[2])
+{
+    out[0] = c[0] * e->x - c[1] * e->y;
+    out[1] = c[0] * e->y + c[1] * e->x;
+}
+
+/* ---- bisection: any W ------------------------------------------------------------------------ */
+
 /* Sliding subproblem (S + nu 1) p_t = c of a general problem. */
 typedef struct slide {
     double s[4];
@@ -9,17 +48,30 @@ typedef struct slide {
     double scale; /* power of two that brings |c| into [1, 2); c is stored scaled */
     double size;  /* of what S was subtracted from: rounding of S is relative to it */
     double drive; /* of what c was subtracted from, scaled as c */
+    int symmetric;
+    spectrum spectrum; /* of a symmetric S, and c in its eigenbasis; rounding is cleared to 0 */
+    double c_eigen[2];
 } slide;
 
-/* Solve by elimination with the larger pivot; returns 0 where it is singular. A right-hand side of
- * zero has the solution zero whatever S is. */
-static int solve_shifted(const slide *e, double nu, double p[2])
+/* In the eigenbasis a singular S is no trouble: its null space just has the eigenvalue 0. */
+static int solve_symmetric(const slide *e, double nu, double p[2])
+{
+    const double lam[2] = {e->spectrum.lam1 + nu, e->spectrum.lam2 + nu};
+    double x[2];
+    for (int i = 0; i < 2; i++) {
+        if (e->c_eigen[i] != 0.0 && lam[i] == 0.0) {
+            return 0;
+        }
+        x[i] = e->c_eigen[i] == 0.0 ? 0.0 : e->c_eigen[i] / lam[i];
+    }
+    from_eigenbasis(&e->spectrum, x, p);
+    return 1;
+}
+
+/* Solve by elimination with the larger pivot; returns 0 where it is singular. */
+static int solve_unsymmetric(const slide *e, double nu, double p[2])
 {
     const double m[4] = {e->s[0] + nu, e->s[1], e->s[2], e->s[3] + nu};
-    p[0] = p[1] = 0.0;
-    if (e->c[0] == 0.0 && e->c[1] == 0.0) {
-        return 1;
-    }
     const int swap = absolute(m[2]) > absolute(m[0]);
     const double *top = swap ? m + 2 : m;
     const double *low = swap ? m : m + 2;
@@ -34,11 +86,27 @@ static int solve_shifted(const slide *e, double nu, double p[2])
     const double least = nu > 0.0 ? 0.0 : SINGULAR_TOLERANCE * e->size;
     if (absolute(pivot) > least) {
         p[1] = rest / pivot;
-    } else if (nu > 0.0 || absolute(rest) > SINGULAR_TOLERANCE * e->drive) {
+        p[0] = (c_top - top[1] * p[1]) / top[0];
+    } else if (nu == 0.0 && absolute(rest) <= SINGULAR_TOLERANCE * e->drive) {
+        /* One equation is left: its shortest solution. */
+        const double share = c_top / (top[0] * top[0] + top[1] * top[1]);
+        p[0] = share * top[0];
+        p[1] = share * top[1];
+    } else {
         return 0;
     }
-    p[0] = (c_top - top[1] * p[1]) / top[0];
     return p[0] - p[0] == 0.0 && p[1] - p[1] == 0.0;
+}
+
+/* The shortest solution where there are many; 0 where there is none. A right-hand side of zero has
+ * the solution zero whatever S is. */
+static int solve_shifted(const slide *e, double nu, double p[2])
+{
+    p[0] = p[1] = 0.0;
+    if (e->c[0] == 0.0 && e->c[1] == 0.0) {
+        return 1;
+    }
+    return e->symmetric ? solve_symmetric(e, nu, p) : solve_unsymmetric(e, nu, p);
 }
 
 static double normal_impulse(const solve_general *g, const slide *e, const double p[2])
@@ -78,6 +146,20 @@ static double bisect(const solve_general *g, const slide *e, double mu, double l
     return double_of(high_bits);
 }
 
+/* A nu in (low, high) at which friction does not suffice although it does at both ends, by steps of
+ * an eighth of an octave; 0 if there is none. */
+static double find_slip(const solve_general *g, const slide *e, double mu, double low, double high,
+                        uint32_t *iterations)
+{
+    for (double nu = 1.09 * low; nu < high; nu *= 1.09) {
+        ++*iterations;
+        if (!friction_suffices(g, e, mu, nu)) {
+            return nu;
+        }
+    }
+    return 0.0;
+}
+
 /* Beyond this nu, |p_t| <= |c| / (nu - |S|) is too short to leave the cone. */
 static double upper_bound(const solve_general *g, const slide *e, double mu)
 {
@@ -86,6 +168,22 @@ static double upper_bound(const solve_general *g, const slide *e, double mu)
     const double drive = mu * -g->bn;
     const double bound = 4.0 * (c / e->scale * (g->nn + mu * row) / drive + e->size);
     return bound < 8.9e307 ? bound : 8.9e307;
+}
+
+/* Spectrum of S and c in it; eigenvalues that rounding may have made, and what c has along them by
+ * rounding, count as 0. */
+static void clear_rounding(slide *e)
+{
+    const double nothing = SINGULAR_TOLERANCE * e->size;
+    const double no_drive = SINGULAR_TOLERANCE * e->drive;
+    e->spectrum = decompose(e->s[0], e->s[1], e->s[3]);
+    to_eigenbasis(&e->spectrum, e->c[0], e->c[1], e->c_eigen);
+    double *lam[2] = {&e->spectrum.lam1, &e->spectrum.lam2};
+    for (int i = 0; i < 2; i++) {
+        const int singular = *lam[i] <= nothing;
+        *lam[i] = singular ? 0.0 : *lam[i];
+        e->c_eigen[i] = singular && absolute(e->c_eigen[i]) <= no_drive ? 0.0 : e->c_eigen[i];
+    }
 }
 
 static int make_slide(const solve_general *g, slide *e)
@@ -106,6 +204,10 @@ static int make_slide(const solve_general *g, slide *e)
                         (absolute(l0) + absolute(l1)) * absolute(g->bn));
     e->c[0] = scale * c[0];
     e->c[1] = scale * c[1];
+    e->symmetric = g->row[0] == g->column[0] && g->row[1] == g->column[1] && g->d[1] == g->d[2];
+    if (e->symmetric) {
+        clear_rounding(e);
+    }
     /* Friction must not be able to gain energy by itself: the symmetric part is semidefinite. */
     const double off = 0.5 * (e->s[1] + e->s[2]);
     const double least = -SEMIDEFINITE_TOLERANCE * size;
@@ -138,7 +240,9 @@ static int is_certified(const solve_general *g, const double p[3], double nu)
     const double b[3] = {g->bn, g->b[0], g->b[1]};
     double error = 0.0;
     double scale = 0.0;
-    for (int i = 0; i < 3; i++) {
+    /* Friction near the least doubles has no digits left to judge nu by. */
+    const int rows_judged = nu > 0.0 && planar_length(p[1], p[2]) < 1e-290 ? 1 : 3;
+    for (int i = 0; i < rows_judged; i++) {
         double v = b[i] + (i > 0 ? nu * p[i] : 0.0);
         scale += absolute(b[i]);
         for (int j = 0; j < 3; j++) {
@@ -187,9 +291,12 @@ double solve_by_bisection(const solve_general *problem, double mu_s, double mu_d
     }
     /* Where S is singular, a root below its rounding is none: friction suffices however small nu
      * is, but nothing can stick. */
-    const double low = solve_shifted(&e, 0.0, p_t) ? 0.0 : 8.0 * SINGULAR_TOLERANCE * e.size;
+    double low = solve_shifted(&e, 0.0, p_t) ? 0.0 : 8.0 * SINGULAR_TOLERANCE * e.size;
     if (low > 0.0 && friction_suffices(problem, &e, mu_d, low)) {
-        return KERNEL_JAM;
+        low = find_slip(problem, &e, mu_d, low, high, iterations);
+        if (low == 0.0) {
+            return KERNEL_JAM;
+        }
     }
     *nu = bisect(problem, &e, mu_d, low, high, iterations);
     if (!solve_shifted(&e, *nu, p_t)) {
@@ -199,69 +306,64 @@ double solve_by_bisection(const solve_general *problem, double mu_s, double mu_d
     return is_certified(problem, p, *nu) ? KERNEL_SLIP : KERNEL_MATRIX;
 }
 
-/* ---- spectral path --------------------------------------------------------------------------- */
+/* ---- spectral path: W as ill-conditioned as may be, but regular ---------------------------------
+ * */
 
-/* S in its eigenbasis: what costs a little more than adj(S) and keeps its digits down to the
- * last. */
-typedef struct spectrum {
-    double lam1, lam2; /* lam1 >= lam2 */
-    double x, y;       /* unit eigenvector of lam1 */
+/* S in its eigenbasis: what costs a little more than adj(S) and keeps its digits down to the last.
+ * */
+typedef struct eigen_problem {
+    spectrum s;
     double c1, c2, w1, w2;
-} spectrum;
+} eigen_problem;
 
-static spectrum decompose(const kernel_problem *k, const kernel_schur *s)
+static eigen_problem rotate_problem(const kernel_problem *k, const kernel_schur *s)
 {
-    spectrum e;
-    /* (r + |d|, s12) is along lam1 if d >= 0, across it else: no cancellation. */
-    const double d = 0.5 * (s->s11 - s->s22);
-    const double r = sqrt(d * d + s->s12 * s->s12);
-    const double along = r + absolute(d);
-    const double length = sqrt(along * along + s->s12 * s->s12);
-    const double major = length > 0.0 ? along / length : 1.0;
-    const double minor = length > 0.0 ? s->s12 / length : 0.0;
-    e.x = d >= 0.0 ? major : minor;
-    e.y = d >= 0.0 ? minor : major;
-    e.lam1 = 0.5 * (s->s11 + s->s22) + r;
-    e.lam2 = e.lam1 > 0.0 ? (s->s11 * s->s22 - s->s12 * s->s12) / e.lam1 : 0.0;
-    e.c1 = e.x * s->c1 + e.y * s->c2;
-    e.c2 = e.x * s->c2 - e.y * s->c1;
-    e.w1 = e.x * k->n1 + e.y * k->n2;
-    e.w2 = e.x * k->n2 - e.y * k->n1;
+    eigen_problem e;
+    double c[2];
+    double w[2];
+    e.s = decompose(s->s11, s->s12, s->s22);
+    to_eigenbasis(&e.s, s->c1, s->c2, c);
+    to_eigenbasis(&e.s, k->n1, k->n2, w);
+    e.c1 = c[0];
+    e.c2 = c[1];
+    e.w1 = w[0];
+    e.w2 = w[1];
     return e;
 }
 
 /* The slip equation from its terms in the eigenbasis; returns 1 if sticking is within the cone of
  * mu_s. */
-static int pose_spectral(const kernel_problem *k, const spectrum *e, double mu_s, double mu_d,
+static int pose_spectral(const kernel_problem *k, const eigen_problem *e, double mu_s, double mu_d,
                          kernel_slip *out)
 {
     const double coupling1 = e->w1 * e->c1;
     const double coupling2 = e->w2 * e->c2;
     const double square1 = k->nn * k->nn * (e->c1 * e->c1);
     const double square2 = k->nn * k->nn * (e->c2 * e->c2);
-    const double base_b = -k->bn * (e->lam1 + e->lam2) - coupling1 - coupling2;
-    const double base_c = -k->bn * (e->lam1 * e->lam2) - coupling1 * e->lam2 - coupling2 * e->lam1;
+    const double base_b = -k->bn * (e->s.lam1 + e->s.lam2) - coupling1 - coupling2;
+    const double base_c =
+        -k->bn * (e->s.lam1 * e->s.lam2) - coupling1 * e->s.lam2 - coupling2 * e->s.lam1;
     out->A = -mu_d * k->bn;
     out->B = mu_d * base_b;
     out->C = mu_d * base_c;
     out->alpha = square1 + square2;
-    out->beta = square1 * e->lam2 + square2 * e->lam1;
-    out->gamma = square1 * (e->lam2 * e->lam2) + square2 * (e->lam1 * e->lam1);
-    out->least = e->lam2;
+    out->beta = square1 * e->s.lam2 + square2 * e->s.lam1;
+    out->gamma = square1 * (e->s.lam2 * e->s.lam2) + square2 * (e->s.lam1 * e->s.lam1);
+    out->least = e->s.lam2;
     return mu_s * base_c >= kernel_guess(out);
 }
 
-static void finish_spectral(const kernel_problem *k, const spectrum *e, double nu, int slips,
+static void finish_spectral(const kernel_problem *k, const eigen_problem *e, double nu, int slips,
                             double mu, double p[3])
 {
-    const double p1 = e->c1 / (e->lam1 + nu);
-    const double p2 = e->c2 / (e->lam2 + nu);
+    const double p1 = e->c1 / (e->s.lam1 + nu);
+    const double p2 = e->c2 / (e->s.lam2 + nu);
     const double length = sqrt(p1 * p1 + p2 * p2);
     const double normal = -(k->bn + (e->w1 * p1 + e->w2 * p2)) / k->nn;
     const double f = !slips && length > mu * normal ? mu * normal / length : 1.0;
     p[0] = slips ? length / mu : normal;
-    p[1] = f * (p1 * e->x - p2 * e->y);
-    p[2] = f * (p1 * e->y + p2 * e->x);
+    const double p_eigen[2] = {f * p1, f * p2};
+    from_eigenbasis(&e->s, p_eigen, p + 1);
 }
 
 static int settle(kernel_slip *e, double *nu, uint32_t *iterations)
@@ -288,9 +390,9 @@ static double find_fault(const kernel_problem *k, double mu_s, double mu_d)
     return mu_d < 0.0 || mu_s < mu_d ? KERNEL_FRICTION : k->fault;
 }
 
-static int is_usual(const kernel_problem *k, const spectrum *e, double mu_s, double mu_d)
+static int is_usual(const kernel_problem *k, const eigen_problem *e, double mu_s, double mu_d)
 {
-    return e->lam2 > SINGULAR_TOLERANCE * (k->t11 + k->t22) && mu_d >= FAST_MIN &&
+    return e->s.lam2 > SINGULAR_TOLERANCE * (k->t11 + k->t22) && mu_d >= FAST_MIN &&
            mu_s <= FAST_MAX && -k->bn >= FAST_MIN &&
            greater(absolute(e->c1), absolute(e->c2)) >= FAST_MIN_DRIVE;
 }
@@ -315,9 +417,9 @@ static double solve_odd(const kernel_problem *k, double mu_s, double mu_d, doubl
     kernel_schur s;
     kernel_slip slip;
     kernel_reduce(k, &s);
-    const spectrum e = decompose(k, &s);
+    const eigen_problem e = rotate_problem(k, &s);
     const double least = -SEMIDEFINITE_TOLERANCE * (k->t11 + k->t22);
-    if (s.s11 < least || s.s22 < least || e.lam2 < least || e.lam1 < least) {
+    if (s.s11 < least || s.s22 < least || e.s.lam2 < least || e.s.lam1 < least) {
         return KERNEL_MATRIX;
     }
     if (k->bn < 0.0 && is_usual(k, &e, mu_s, mu_d)) {

@@ -61,7 +61,8 @@ typedef struct tribo_measures {
 
 /** Measures of one contact; b = 0 and p = 0 give zeros.
  *  @return TRIBO_ERROR_NULL, TRIBO_ERROR_NOT_FINITE, TRIBO_ERROR_FRICTION (mu < 0),
- *          TRIBO_ERROR_IMMOVABLE (no positive diagonal entry). */
+ *          TRIBO_ERROR_IMMOVABLE (no positive diagonal entry), TRIBO_ERROR_RANGE (a measure is
+ *          beyond double, where mu or p is). */
 TRIBO_API tribo_status tribo_audit_contact(const double w[6], const double b[3], double mu,
                                            const double p[3], tribo_measures *out);
 
