@@ -589,7 +589,7 @@ static void require_member(property_trial *t, const double p[3], double mu, long
     REQUIRE(t, p[0] >= 0.0);
     REQUIRE(t, excess <= slack * (1.0L + wide(mu)));
     if (p[0] >= 0x1p-960 && wide(p[0]) >= 0x1p-960L * length2(p + 1) &&
-        length2(p + 1) > 0x1p-960L) {
+        length2(p + 1) > 0x1p-960L && mu > 0x1p-960) {
         REQUIRE(t, tribo_cone_contains(p, mu, 4.0 * EPS) == 1);
     }
 }

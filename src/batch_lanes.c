@@ -339,7 +339,7 @@ static int any_inertia(const lane_body *body)
     for (int i = 0; i < LANES; i++) {
         sum += body->inertia[0][i] + body->inertia[3][i] + body->inertia[5][i];
     }
-    return sum > 0.0;
+    return !(sum == 0.0); /* a faulty neighbour may be NaN */
 }
 
 static void matrix_lanes(const lane_body ends[2], lane_row *frame, lane_row *w)
