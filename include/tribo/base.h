@@ -16,7 +16,8 @@
  *   from any number of threads at once, as long as no two of them write the same output.
  * - The caller's floating-point environment must round to nearest and keep subnormal numbers (the
  *   default of every C implementation). Then results are the same bits on every
- platform. */
+ *   platform.
+ */
 #ifndef TRIBO_BASE_H
 #define TRIBO_BASE_H
 
