@@ -6,6 +6,22 @@
 
 /* ---- instruction sets ------------------------------------------------------------------------ */
 
+#if defined(TRIBO_HAVE_X86_64_LEVELS)
+/* What the compiler may use at these levels; a virtual machine can mask any of it. */
+static int has_v3(void)
+{
+    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") &&
+           __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("fma");
+}
+
+static int has_v4(void)
+{
+    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+           __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
+           __builtin_cpu_supports("avx512cd");
+}
+#endif
+
 static const lanes_table *table_of(uint32_t isa)
 {
     switch (isa) {
@@ -13,12 +29,9 @@ static const lanes_table *table_of(uint32_t isa)
         return &lanes_baseline;
 #if defined(TRIBO_HAVE_X86_64_LEVELS)
     case TRIBO_ISA_X86_64_V3:
-        return __builtin_cpu_supports("avx2") ? &lanes_x86_64_v3 : NULL;
+        return has_v3() ? &lanes_x86_64_v3 : NULL;
     case TRIBO_ISA_X86_64_V4:
-        return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-                       __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw")
-                   ? &lanes_x86_64_v4
-                   : NULL;
+        return has_v3() && has_v4() ? &lanes_x86_64_v4 : NULL;
 #endif
     default:
         return NULL;

@@ -333,13 +333,15 @@ static void add_mobility_lanes(const lane_body *body, lane_row *frame, lane_row 
     }
 }
 
+/* Each lane by itself: in a sum, a faulty neighbour could hide the others. */
 static int any_inertia(const lane_body *body)
 {
-    double sum = 0.0;
+    int any = 0;
     for (int i = 0; i < LANES; i++) {
-        sum += body->inertia[0][i] + body->inertia[3][i] + body->inertia[5][i];
+        const double *const diagonal[3] = {body->inertia[0], body->inertia[3], body->inertia[5]};
+        any |= diagonal[0][i] != 0.0 || diagonal[1][i] != 0.0 || diagonal[2][i] != 0.0;
     }
-    return !(sum == 0.0); /* a faulty neighbour may be NaN */
+    return any;
 }
 
 static void matrix_lanes(const lane_body ends[2], lane_row *frame, lane_row *w)
