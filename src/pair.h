@@ -21,6 +21,39 @@ typedef struct pair_axis {
     double distance;  /* support width along it: negative inside, > margin: apart */
 } pair_axis;
 
+/* Face of one shape of a query: world axes, origin at A, counter-clockwise seen from outside. */
+typedef struct pair_face {
+    uint32_t count; /* 1: a point of a curved place, 2: an edge of a rounded shape */
+    uint32_t feature;
+    double normal[3]; /* outward, unit */
+    double points[3 * TRIBO_MAX_FACE];
+} pair_face;
+
+/* A point that may go into the manifold. */
+typedef struct pair_point {
+    double middle[3]; /* midway between the surfaces; world axes, origin at A */
+    double distance;
+    uint32_t a; /* what touches on A: pair_feature */
+    uint32_t b;
+} pair_point;
+
+enum {
+    PAIR_VERTEX = 0,
+    PAIR_EDGE = 1,
+    PAIR_FACE = 2,
+    PAIR_CURVED = 3,                           /* a point of a curved place */
+    PAIR_MAX_POINTS = 2 * TRIBO_MAX_FACE + 8 /* two faces clipped have no more corners */
+};
+
+/* Half of a point's id. The vertices and edges of a face are numbered around it; edge k leaves vertex k. */
+static inline uint32_t pair_feature(uint32_t face, uint32_t kind, uint32_t index)
+{
+    return (face & 0xffffffu) << 8 | kind << 6 | (index & 63u);
+}
+
+/* Distances that differ by less than this part of the lengths they were made from do not differ. */
+#define PAIR_ROUNDING 3.5527136788005009e-15 /* 16 * 2^-52 */
+
 /* shape.c: support point and face of a judged convex shape in its own axes. The first returns 0 where a
  * user's function gave no finite point. */
 int shape_support(const tribo_shape *shape, const double direction[3], double point[3]);
@@ -37,7 +70,23 @@ tribo_status convex_axis(const pair_query *query, pair_axis *axis, tribo_collide
 /* clip.c: manifold from the axis by clipping the support faces; count 0 if apart by more than the margin. */
 void clip_manifold(const pair_query *query, const pair_axis *axis, tribo_manifold *out);
 
-/* closed.c: 1 if the pair has a closed form, and then its manifold. */
-int closed_manifold(const pair_query *query, tribo_manifold *out);
+/* clip.c: the face of A (side 0) or B (side 1) that faces a direction; 0 if there is none. */
+int clip_take_face(const pair_query *query, int side, const double direction[3], pair_face *face);
+
+/* clip.c: points where two faces, each of three or more vertices, lie over each other along the axis, the
+ * face of `reference` (0: A, 1: B) being the one that clips. Returns their number. */
+uint32_t clip_faces(const pair_query *query, const pair_face faces[2], int reference,
+                    const pair_axis *axis, pair_point points[PAIR_MAX_POINTS]);
+
+/* clip.c: manifold of the points within the margin, reduced to what the query asks for. Points nearer to each
+ * other than 1e-9 of `size` are one. */
+void clip_finish(const pair_query *query, const double normal[3], double size, uint32_t count,
+                 pair_point *points, tribo_manifold *out);
+
+/* closed.c: whether two kinds of shapes, A's number not the greater, have a closed form. */
+int closed_exists(uint32_t type_a, uint32_t type_b);
+
+/* closed.c: its manifold. TRIBO_ERROR_SUPPORT if a user's function gave no finite point. */
+tribo_status closed_manifold(const pair_query *query, tribo_manifold *out);
 
 #endif

@@ -1,0 +1,809 @@
+/* Contact points of two convex shapes by clipping the faces that look at each other.
+ *
+ * Everything is seen along the normal n, in coordinates (h, u, v) of the contact frame (n, t1, t2): the faces
+ * become polygons in the plane, the points are the corners of their overlap, and the distance at a point is the
+ * difference of the heights h of the two faces above it. */
+#include "pair.h"
+
+#include "rows.h"
+
+#include <tribo/math.h>
+
+#define ALIGNED 0.9995     /* cosine: up to here faces tilted against the normal still lie on each other */
+#define SNAP_ANGLE 0.9     /* cosine: faces that are worth a look for a better normal */
+#define SNAP_WIDTH 1e-9    /* of the distance: by so much a face's normal may be worse than the axis */
+#define CLIP_ROUNDING 1e-12 /* of the lengths: on the line is inside */
+#define PARALLEL 1e-3      /* sine of the angle up to which two edges are one line of contact */
+#define MERGE 1e-9         /* of the size: points that are one */
+#define LEVEL 1e-9         /* of the size: depths that are equal when the deepest point is sought */
+#define BETTER 1e-6        /* relative gain of area that is worth another choice of points */
+
+/* ---- faces ------------------------------------------------------------------------------------ */
+
+int clip_take_face(const pair_query *query, int side, const double direction[3], pair_face *face)
+{
+    const double *r = side == 0 ? query->ra : query->rb;
+    double local[3];
+    tribo_mat3_apply_transposed(r, direction, local);
+    face->count = shape_face(side == 0 ? query->a : query->b, local, face->points, face->normal,
+                             &face->feature);
+    tribo_mat3_apply(r, face->normal, face->normal);
+    for (uint32_t i = 0; i < face->count; i++) {
+        double *p = face->points + 3 * i;
+        tribo_mat3_apply(r, p, p);
+        if (side != 0) {
+            tribo_vec3_add(p, query->offset, p);
+        }
+    }
+    return face->count > 0;
+}
+
+/* Support point of A (side 0) or B along a direction, world axes, origin at A. */
+static int take_support(const pair_query *query, int side, const double direction[3],
+                        double point[3])
+{
+    const double *r = side == 0 ? query->ra : query->rb;
+    double local[3];
+    tribo_mat3_apply_transposed(r, direction, local);
+    if (!shape_support(side == 0 ? query->a : query->b, local, point)) {
+        return 0;
+    }
+    tribo_mat3_apply(r, point, point);
+    if (side != 0) {
+        tribo_vec3_add(point, query->offset, point);
+    }
+    return 1;
+}
+
+static double extent(const double v[3])
+{
+    return absolute(v[0]) + absolute(v[1]) + absolute(v[2]);
+}
+
+/* Distance of the shapes along a unit vector from B to A, and what rounding may have done to it. */
+static int distance_along(const pair_query *query, const double n[3], double *distance,
+                          double *rounding)
+{
+    const double back[3] = {0.0 - n[0], 0.0 - n[1], 0.0 - n[2]};
+    double a[3];
+    double b[3];
+    if (!take_support(query, 0, back, a) || !take_support(query, 1, n, b)) {
+        return 0;
+    }
+    *distance = tribo_vec3_dot(a, n) - tribo_vec3_dot(b, n);
+    *rounding = PAIR_ROUNDING * (extent(a) + extent(b) + extent(query->offset));
+    return 1;
+}
+
+/* ---- polygons along the normal ------------------------------------------------------------------ */
+
+typedef struct polygon {
+    uint32_t count;
+    uint32_t feature;
+    double size; /* greatest distance of a corner from the first along u or v */
+    double slope[2]; /* height gained per length along u and v */
+    double h[TRIBO_MAX_FACE];
+    double u[TRIBO_MAX_FACE];
+    double v[TRIBO_MAX_FACE];
+} polygon;
+
+static void flatten(const pair_face *face, const double frame[9], polygon *out)
+{
+    double size = 0.0;
+    out->count = face->count;
+    out->feature = face->feature;
+    for (uint32_t i = 0; i < face->count; i++) {
+        const double *p = face->points + 3 * i;
+        out->h[i] = tribo_vec3_dot(frame, p);
+        out->u[i] = tribo_vec3_dot(frame + 3, p);
+        out->v[i] = tribo_vec3_dot(frame + 6, p);
+        size = greater(size, absolute(out->u[i] - out->u[0]));
+        size = greater(size, absolute(out->v[i] - out->v[0]));
+    }
+    out->size = size;
+    const double along = tribo_vec3_dot(frame, face->normal);
+    out->slope[0] = along == 0.0 ? 0.0 : 0.0 - tribo_vec3_dot(frame + 3, face->normal) / along;
+    out->slope[1] = along == 0.0 ? 0.0 : 0.0 - tribo_vec3_dot(frame + 6, face->normal) / along;
+}
+
+static double height_at(const polygon *p, double u, double v)
+{
+    return p->h[0] + (p->slope[0] * (u - p->u[0]) + p->slope[1] * (v - p->v[0]));
+}
+
+/* +1 if the corners go round counter-clockwise in (u, v): so B's do, whose face looks along n. */
+static double winding_of(int side)
+{
+    return side == 0 ? -1.0 : 1.0;
+}
+
+/* Line through side j of a polygon: value > 0 inside, and of the size of a length. */
+typedef struct line {
+    double u, v, c;
+} line;
+
+static line side_line(const polygon *p, uint32_t j, double winding)
+{
+    const uint32_t k = j + 1 == p->count ? 0 : j + 1;
+    const double du = p->u[k] - p->u[j];
+    const double dv = p->v[k] - p->v[j];
+    const double length = sqrt(du * du + dv * dv);
+    const double scale = length > 0.0 ? winding / length : 0.0;
+    const line l = {0.0 - scale * dv, scale * du, scale * (dv * p->u[j] - du * p->v[j])};
+    return l;
+}
+
+static double line_value(const line *l, double u, double v)
+{
+    return l->u * u + l->v * v + l->c;
+}
+
+/* ---- clipping (Sutherland and Hodgman, CACM 17 (1974) 32) ------------------------------------------ */
+
+enum { OWN_SIDE = 64 }; /* sides of the clipping polygon are numbered from here */
+
+typedef struct corner {
+    double u, v, h;
+    uint32_t inner; /* features on the clipped polygon and on the one that clips, without the face */
+    uint32_t outer;
+    uint32_t side; /* the side that leaves here */
+} corner;
+
+/* Where side p->side crosses side j of the clipping polygon of `count` sides. */
+static corner crossing(const corner *p, const corner *q, double dp, double dq, uint32_t j,
+                       uint32_t count)
+{
+    const double f = dp / (dp - dq);
+    corner x = {p->u + f * (q->u - p->u), p->v + f * (q->v - p->v), p->h + f * (q->h - p->h), 0, 0,
+                p->side};
+    if (p->side < OWN_SIDE) {
+        x.inner = pair_feature(0, PAIR_EDGE, p->side);
+        x.outer = pair_feature(0, PAIR_EDGE, j);
+    } else {
+        const uint32_t i = p->side - OWN_SIDE;
+        const uint32_t first = (j + 1) % count == i ? i : j;
+        x.inner = pair_feature(0, PAIR_FACE, 0);
+        x.outer = pair_feature(0, PAIR_VERTEX, first);
+    }
+    return x;
+}
+
+/* Keep what lies inside of side j. */
+static uint32_t clip_by_line(const corner *in, uint32_t n, const line *l, double slack, uint32_t j,
+                             uint32_t count, corner *out)
+{
+    uint32_t m = 0;
+    double dp = line_value(l, in[0].u, in[0].v);
+    const double first = dp;
+    for (uint32_t i = 0; i < n; i++) {
+        const corner *p = in + i;
+        const corner *q = i + 1 == n ? in : in + i + 1;
+        const double dq = i + 1 == n ? first : line_value(l, q->u, q->v);
+        const int p_inside = dp >= -slack;
+        const int q_inside = dq >= -slack;
+        if (m + 2 > PAIR_MAX_POINTS) {
+            break;
+        }
+        if (p_inside) {
+            out[m++] = *p;
+        }
+        if (p_inside && !q_inside) {
+            if (dp > slack) {
+                out[m++] = crossing(p, q, dp, dq, j, count);
+            }
+            out[m - 1].side = OWN_SIDE + j;
+        } else if (!p_inside && q_inside && dq > slack) {
+            out[m++] = crossing(p, q, dp, dq, j, count);
+        }
+        dp = dq;
+    }
+    return m;
+}
+
+/* Overlap of two polygons: `inner` clipped by `outer`. Returns a pointer into the work space. */
+static const corner *clip_polygon(const polygon *inner, const polygon *outer, double winding,
+                                  double slack, corner work[2][PAIR_MAX_POINTS], uint32_t *count)
+{
+    uint32_t n = inner->count;
+    corner *from = work[0];
+    corner *to = work[1];
+    for (uint32_t i = 0; i < n; i++) {
+        const corner c = {inner->u[i],
+                          inner->v[i],
+                          inner->h[i],
+                          pair_feature(0, PAIR_VERTEX, i),
+                          pair_feature(0, PAIR_FACE, 0),
+                          i};
+        from[i] = c;
+    }
+    for (uint32_t j = 0; j < outer->count && n > 0; j++) {
+        const line l = side_line(outer, j, winding);
+        int cut = 0;
+        for (uint32_t i = 0; i < n; i++) {
+            cut |= line_value(&l, from[i].u, from[i].v) < -slack;
+        }
+        if (cut) {
+            n = clip_by_line(from, n, &l, slack, j, outer->count, to);
+            corner *swap = from;
+            from = to;
+            to = swap;
+        }
+    }
+    *count = n;
+    return from;
+}
+
+/* A segment clipped by a polygon: two corners, or none. */
+static uint32_t clip_segment(const polygon *inner, const polygon *outer, double winding,
+                             double slack, corner out[2])
+{
+    double t[2] = {0.0, 1.0};
+    uint32_t cut[2] = {OWN_SIDE, OWN_SIDE};
+    for (uint32_t j = 0; j < outer->count; j++) {
+        const line l = side_line(outer, j, winding);
+        const double d[2] = {line_value(&l, inner->u[0], inner->v[0]),
+                             line_value(&l, inner->u[1], inner->v[1])};
+        if (d[0] < -slack && d[1] < -slack) {
+            return 0;
+        }
+        for (int end = 0; end < 2; end++) {
+            if (d[end] < -slack) {
+                const double f = d[0] / (d[0] - d[1]);
+                const double at = f < 0.0 ? 0.0 : f > 1.0 ? 1.0 : f;
+                if (end == 0 ? at > t[0] : at < t[1]) {
+                    t[end] = at;
+                    cut[end] = j;
+                }
+            }
+        }
+    }
+    if (t[0] > t[1]) {
+        return 0;
+    }
+    for (int end = 0; end < 2; end++) {
+        const double f = t[end];
+        const int whole = cut[end] == OWN_SIDE;
+        corner c = {inner->u[0] + f * (inner->u[1] - inner->u[0]),
+                    inner->v[0] + f * (inner->v[1] - inner->v[0]),
+                    inner->h[0] + f * (inner->h[1] - inner->h[0]),
+                    0,
+                    0,
+                    0};
+        c.inner = pair_feature(0, whole ? PAIR_VERTEX : PAIR_EDGE, whole ? (uint32_t)end : 0);
+        c.outer = pair_feature(0, whole ? PAIR_FACE : PAIR_EDGE, whole ? 0 : cut[end]);
+        out[end] = c;
+    }
+    return 2;
+}
+
+/* ---- from the plane back into space --------------------------------------------------------------- */
+
+static void place(const double frame[9], double u, double v, double h, double out[3])
+{
+    for (int i = 0; i < 3; i++) {
+        out[i] = frame[i] * h + (frame[3 + i] * u + frame[6 + i] * v);
+    }
+}
+
+static void name_features(const polygon p[2], int reference, uint32_t inner, uint32_t outer,
+                          pair_point *point)
+{
+    const uint32_t a = reference == 0 ? outer : inner;
+    const uint32_t b = reference == 0 ? inner : outer;
+    point->a = pair_feature(p[0].feature, 0, 0) | a;
+    point->b = pair_feature(p[1].feature, 0, 0) | b;
+}
+
+/* Corners of an overlap to points: `reference` is the polygon that clipped. */
+static uint32_t raise(const double frame[9], const polygon p[2], int reference, uint32_t count,
+                      const corner *corners, pair_point *points)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        const corner *c = corners + i;
+        const double h = height_at(&p[reference], c->u, c->v);
+        points[i].distance = reference == 0 ? h - c->h : c->h - h;
+        place(frame, c->u, c->v, 0.5 * (h + c->h), points[i].middle);
+        name_features(p, reference, c->inner, c->outer, &points[i]);
+    }
+    return count;
+}
+
+static double slack_of(const polygon p[2])
+{
+    double reach = 0.0;
+    for (int k = 0; k < 2; k++) {
+        reach = greater(reach, absolute(p[k].u[0]) + absolute(p[k].v[0]) + p[k].size);
+    }
+    return CLIP_ROUNDING * lesser(p[0].size, p[1].size) + PAIR_ROUNDING * reach;
+}
+
+static uint32_t overlap(const double frame[9], const polygon p[2], int reference,
+                        pair_point *points)
+{
+    corner work[2][PAIR_MAX_POINTS];
+    const polygon *inner = &p[1 - reference];
+    const polygon *outer = &p[reference];
+    const double winding = winding_of(reference);
+    uint32_t count;
+    if (inner->count == 2) {
+        count = clip_segment(inner, outer, winding, slack_of(p), work[0]);
+        return raise(frame, p, reference, count, work[0], points);
+    }
+    const corner *corners = clip_polygon(inner, outer, winding, slack_of(p), work, &count);
+    return raise(frame, p, reference, count, corners, points);
+}
+
+static void frame_of(const double n[3], double frame[9])
+{
+    basis_rows(n[0], n[1], n[2], frame);
+}
+
+uint32_t clip_faces(const pair_query *query, const pair_face faces[2], int reference,
+                    const pair_axis *axis, pair_point points[PAIR_MAX_POINTS])
+{
+    double frame[9];
+    polygon p[2];
+    (void)query;
+    frame_of(axis->normal, frame);
+    flatten(&faces[0], frame, &p[0]);
+    flatten(&faces[1], frame, &p[1]);
+    return overlap(frame, p, reference, points);
+}
+
+/* ---- degenerate faces ----------------------------------------------------------------------------- */
+
+/* One point, of a curved place at least on one side. */
+static uint32_t touch_at_point(const pair_face faces[2], const pair_axis *axis, pair_point *point)
+{
+    const double half = 0.5 * axis->distance;
+    const int a = faces[0].count == 1;
+    const int b = faces[1].count == 1;
+    for (int i = 0; i < 3; i++) {
+        const double from_a = faces[0].points[i] - half * axis->normal[i];
+        const double from_b = faces[1].points[i] + half * axis->normal[i];
+        point->middle[i] = a && b ? 0.5 * (from_a + from_b) : a ? from_a : from_b;
+    }
+    point->distance = axis->distance;
+    point->a = pair_feature(faces[0].feature, a ? PAIR_CURVED : PAIR_FACE, 0);
+    point->b = pair_feature(faces[1].feature, b ? PAIR_CURVED : PAIR_FACE, 0);
+    return 1;
+}
+
+static double held(double t)
+{
+    return t < 0.0 ? 0.0 : t > 1.0 ? 1.0 : t;
+}
+
+/* The point at parameter s of A's edge and t of B's. */
+static void between_edges(const double frame[9], const polygon p[2], double s, double t,
+                          pair_point *point)
+{
+    const double w[2] = {s, t};
+    double at[2][3];
+    for (int k = 0; k < 2; k++) {
+        at[k][0] = p[k].h[0] + w[k] * (p[k].h[1] - p[k].h[0]);
+        at[k][1] = p[k].u[0] + w[k] * (p[k].u[1] - p[k].u[0]);
+        at[k][2] = p[k].v[0] + w[k] * (p[k].v[1] - p[k].v[0]);
+    }
+    place(frame, 0.5 * (at[0][1] + at[1][1]), 0.5 * (at[0][2] + at[1][2]),
+          0.5 * (at[0][0] + at[1][0]), point->middle);
+    point->distance = at[0][0] - at[1][0];
+    point->a = pair_feature(p[0].feature, PAIR_EDGE, 0);
+    point->b = pair_feature(p[1].feature, PAIR_EDGE, 0);
+}
+
+/* Edges of two rounded shapes: one point where they cross, the ends of the overlap where they are parallel. */
+static uint32_t touch_at_edges(const double frame[9], const polygon p[2], pair_point points[2])
+{
+    const double au = p[0].u[1] - p[0].u[0];
+    const double av = p[0].v[1] - p[0].v[0];
+    const double bu = p[1].u[1] - p[1].u[0];
+    const double bv = p[1].v[1] - p[1].v[0];
+    const double du = p[1].u[0] - p[0].u[0];
+    const double dv = p[1].v[0] - p[0].v[0];
+    const double aa = au * au + av * av;
+    const double bb = bu * bu + bv * bv;
+    const double turn = au * bv - av * bu;
+    if (turn * turn > PARALLEL * PARALLEL * (aa * bb)) {
+        between_edges(frame, p, held((du * bv - dv * bu) / turn), held((du * av - dv * au) / turn),
+                      &points[0]);
+        return 1;
+    }
+    if (!(aa > 0.0 && bb > 0.0)) {
+        between_edges(frame, p, 0.5, 0.5, &points[0]);
+        return 1;
+    }
+    const double s0 = (du * au + dv * av) / aa;
+    const double s1 = s0 + (bu * au + bv * av) / aa;
+    const double s[2] = {held(lesser(s0, s1)), held(greater(s0, s1))};
+    uint32_t count = 0;
+    for (int k = 0; k < 2 && (k == 0 || s[1] > s[0]); k++) {
+        const int at_a = s[k] == (double)k;
+        const int at_b = (s0 < s1) == (k == 0) ? 0 : 1;
+        between_edges(frame, p, s[k], held((s[k] - s0) / (s1 - s0)), &points[count]);
+        if (at_a) {
+            points[count].a = pair_feature(p[0].feature, PAIR_VERTEX, (uint32_t)k);
+        } else {
+            points[count].b = pair_feature(p[1].feature, PAIR_VERTEX, (uint32_t)at_b);
+        }
+        count++;
+    }
+    return count;
+}
+
+/* ---- the axis and the faces ------------------------------------------------------------------------ */
+
+/* Where a face of either shape looks along the axis nearly, its normal is exact and the axis has noise that
+ * a large face turns into depth: take it unless it is worse. Returns the face's side, or -1. */
+static int snap(const pair_query *query, const pair_face faces[2], pair_axis *axis)
+{
+    int best = -1;
+    const pair_axis given = *axis;
+    for (int side = 0; side < 2; side++) {
+        const double sign = side == 0 ? -1.0 : 1.0;
+        const double *n = faces[side].normal;
+        if (faces[side].count < 3 || !(sign * tribo_vec3_dot(n, given.normal) > SNAP_ANGLE)) {
+            continue;
+        }
+        pair_axis face;
+        double rounding;
+        tribo_vec3_scale(sign, n, face.normal);
+        if (!distance_along(query, face.normal, &face.distance, &rounding)) {
+            continue;
+        }
+        const double gain = face.distance - axis->distance;
+        const double slack = SNAP_WIDTH * absolute(axis->distance) + rounding;
+        if (best < 0 ? gain >= -slack : gain > slack) {
+            *axis = face;
+            best = side;
+        }
+    }
+    return best;
+}
+
+/* The face that clips: the one that is more alike to a plane across the normal; A's if both are. */
+static int choose_reference(const pair_face faces[2], const double normal[3], double *cosine)
+{
+    const double a = faces[0].count < 3 ? -1.0 : 0.0 - tribo_vec3_dot(faces[0].normal, normal);
+    const double b = faces[1].count < 3 ? -1.0 : tribo_vec3_dot(faces[1].normal, normal);
+    const int reference = b > a + 4.0 * TRIBO_EPS ? 1 : 0;
+    *cosine = reference == 0 ? a : b;
+    return reference;
+}
+
+static uint32_t deepest_of(const pair_point *points, uint32_t count)
+{
+    uint32_t deepest = 0;
+    for (uint32_t i = 1; i < count; i++) {
+        if (points[i].distance < points[deepest].distance) {
+            deepest = i;
+        }
+    }
+    return deepest;
+}
+
+/* The support points themselves, when the faces do not hold what is deepest: rims of round shapes, corners whose
+ * faces look elsewhere. */
+static uint32_t add_support(const pair_query *query, const pair_face faces[2], int reference,
+                            const pair_axis *axis, pair_point *point)
+{
+    const int inner = 1 - reference;
+    const double sign = inner == 0 ? -1.0 : 1.0;
+    const double *n = axis->normal;
+    const double along[3] = {sign * n[0], sign * n[1], sign * n[2]};
+    double p[3];
+    if (!take_support(query, inner, along, p)) {
+        return 0;
+    }
+    tribo_vec3_add_scaled(p, 0.5 * sign * axis->distance, n, point->middle);
+    point->distance = axis->distance;
+    point->a = pair_feature(faces[0].feature, inner == 0 ? PAIR_CURVED : PAIR_FACE, 0);
+    point->b = pair_feature(faces[1].feature, inner == 1 ? PAIR_CURVED : PAIR_FACE, 0);
+    return 1;
+}
+
+/* Points of two faces of which the one that clips lies across the normal. */
+static uint32_t touch_at_faces(const pair_query *query, const pair_face faces[2],
+                               const polygon p[2], const double frame[9], int reference,
+                               const pair_axis *axis, pair_point *points)
+{
+    uint32_t count = overlap(frame, p, reference, points);
+    const double size = lesser(p[0].size, p[1].size);
+    const double slack = CLIP_ROUNDING * size + PAIR_ROUNDING * (absolute(p[0].h[0]) + size);
+    if (count == 0 || points[deepest_of(points, count)].distance > axis->distance + slack) {
+        count += add_support(query, faces, reference, axis, &points[count]);
+    }
+    return count;
+}
+
+/* Edges that cross, or corners: no face lies across the normal. What is deepest in the overlap is where they
+ * touch; parallel edges have two such places. */
+static uint32_t touch_at_ridges(const pair_query *query, const pair_face faces[2],
+                                const polygon p[2], const double frame[9], int reference,
+                                const pair_axis *axis, pair_point *points)
+{
+    const uint32_t count = overlap(frame, p, reference, points);
+    if (count == 0) {
+        return add_support(query, faces, reference, axis, points);
+    }
+    const double least = points[deepest_of(points, count)].distance;
+    const double level = least + BETTER * lesser(p[0].size, p[1].size);
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        if (points[i].distance <= level) {
+            points[kept] = points[i];
+            points[kept].distance += axis->distance - least;
+            kept++;
+        }
+    }
+    return kept;
+}
+
+static uint32_t touch(const pair_query *query, const pair_face faces[2], const pair_axis *axis,
+                      double *size, pair_point *points)
+{
+    double frame[9];
+    polygon p[2];
+    double cosine;
+    *size = 0.0;
+    if (faces[0].count == 1 || faces[1].count == 1) {
+        return touch_at_point(faces, axis, points);
+    }
+    frame_of(axis->normal, frame);
+    flatten(&faces[0], frame, &p[0]);
+    flatten(&faces[1], frame, &p[1]);
+    *size = lesser(p[0].size, p[1].size);
+    if (faces[0].count == 2 && faces[1].count == 2) {
+        return touch_at_edges(frame, p, points);
+    }
+    const int reference = choose_reference(faces, axis->normal, &cosine);
+    return cosine >= ALIGNED ? touch_at_faces(query, faces, p, frame, reference, axis, points)
+                             : touch_at_ridges(query, faces, p, frame, reference, axis, points);
+}
+
+void clip_manifold(const pair_query *query, const pair_axis *axis, tribo_manifold *out)
+{
+    pair_face faces[2];
+    pair_point points[PAIR_MAX_POINTS];
+    pair_axis best = *axis;
+    double back[3] = {0.0 - best.normal[0], 0.0 - best.normal[1], 0.0 - best.normal[2]};
+    double size;
+    memset(out, 0, sizeof *out);
+    if (!(axis->distance <= query->margin) || !clip_take_face(query, 0, back, &faces[0]) ||
+        !clip_take_face(query, 1, best.normal, &faces[1])) {
+        return;
+    }
+    const int side = snap(query, faces, &best);
+    if (side == 0 && !clip_take_face(query, 1, best.normal, &faces[1])) {
+        return;
+    }
+    if (side == 1) {
+        tribo_vec3_scale(-1.0, best.normal, back);
+        if (!clip_take_face(query, 0, back, &faces[0])) {
+            return;
+        }
+    }
+    const uint32_t count = touch(query, faces, &best, &size, points);
+    if (count > 0) {
+        const uint32_t deepest = deepest_of(points, count);
+        points[deepest].distance = lesser(points[deepest].distance, query->margin);
+    }
+    clip_finish(query, best.normal, size, count, points, out);
+}
+
+/* ---- choice of points ------------------------------------------------------------------------------- */
+
+typedef struct choice {
+    uint32_t count;
+    uint32_t pinned; /* this one stays; PAIR_MAX_POINTS: none is deeper than all others */
+    uint32_t chosen; /* the first `chosen` of `order` are taken, in order around the area */
+    uint32_t order[TRIBO_MAX_POINTS];
+    double u[PAIR_MAX_POINTS];
+    double v[PAIR_MAX_POINTS];
+} choice;
+
+/* Twice the signed area of a triangle. */
+static double area(const choice *c, uint32_t i, uint32_t j, uint32_t k)
+{
+    return (c->u[j] - c->u[i]) * (c->v[k] - c->v[i]) - (c->v[j] - c->v[i]) * (c->u[k] - c->u[i]);
+}
+
+/* The point that goes first: the deepest, or of all that are as deep the farthest from the middle. */
+static uint32_t choose_first(choice *c, const pair_point *points, double size)
+{
+    double middle[2] = {0.0, 0.0};
+    double least = points[0].distance;
+    double greatest = points[0].distance;
+    for (uint32_t i = 0; i < c->count; i++) {
+        middle[0] += c->u[i] / (double)c->count;
+        middle[1] += c->v[i] / (double)c->count;
+        least = lesser(least, points[i].distance);
+        greatest = greater(greatest, points[i].distance);
+    }
+    const double level = least + LEVEL * size;
+    uint32_t first = 0;
+    double best = -1.0;
+    for (uint32_t i = 0; i < c->count; i++) {
+        const double u = c->u[i] - middle[0];
+        const double v = c->v[i] - middle[1];
+        const double square = u * u + v * v;
+        if (points[i].distance <= level && square > best * (1.0 + BETTER)) {
+            first = i;
+            best = square;
+        }
+    }
+    c->pinned = greatest <= level ? PAIR_MAX_POINTS : first;
+    return first;
+}
+
+static uint32_t farthest_from(const choice *c, uint32_t first)
+{
+    uint32_t farthest = first == 0 ? 1 : 0;
+    double best = 0.0;
+    for (uint32_t i = 0; i < c->count; i++) {
+        const double u = c->u[i] - c->u[first];
+        const double v = c->v[i] - c->v[first];
+        if (u * u + v * v > best * (1.0 + BETTER)) {
+            farthest = i;
+            best = u * u + v * v;
+        }
+    }
+    return farthest;
+}
+
+static int is_chosen(const choice *c, uint32_t i)
+{
+    int chosen = 0;
+    for (uint32_t k = 0; k < c->chosen; k++) {
+        chosen |= c->order[k] == i;
+    }
+    return chosen;
+}
+
+/* Third point: the greatest triangle, turned counter-clockwise. */
+static void choose_third(choice *c)
+{
+    double best = -1.0;
+    uint32_t third = 0;
+    for (uint32_t i = 0; i < c->count; i++) {
+        const double a = absolute(area(c, c->order[0], c->order[1], i));
+        if (!is_chosen(c, i) && a > best * (1.0 + BETTER)) {
+            best = a;
+            third = i;
+        }
+    }
+    if (area(c, c->order[0], c->order[1], third) < 0.0) {
+        const uint32_t swap = c->order[0];
+        c->order[0] = c->order[1];
+        c->order[1] = swap;
+    }
+    c->order[2] = third;
+    c->chosen = 3;
+}
+
+/* Fourth point: what adds most area outside of the triangle, put between the ends of the side it lies off. */
+static void choose_fourth(choice *c)
+{
+    double best = 0.0;
+    uint32_t fourth = PAIR_MAX_POINTS;
+    uint32_t side = 0;
+    for (uint32_t i = 0; i < c->count; i++) {
+        for (uint32_t k = 0; k < 3 && !is_chosen(c, i); k++) {
+            const double gain = 0.0 - area(c, c->order[k], c->order[k == 2 ? 0 : k + 1], i);
+            if (gain > best * (1.0 + BETTER)) {
+                best = gain;
+                fourth = i;
+                side = k;
+            }
+        }
+    }
+    if (fourth == PAIR_MAX_POINTS) {
+        return;
+    }
+    for (uint32_t k = 3; k > side + 1; k--) {
+        c->order[k] = c->order[k - 1];
+    }
+    c->order[side + 1] = fourth;
+    c->chosen = 4;
+}
+
+/* Move one point after the other to where it gives more area between its neighbours. */
+static void improve(choice *c)
+{
+    for (int pass = 0, changed = 1; pass < 2 && changed; pass++) {
+        changed = 0;
+        for (uint32_t k = 0; k < c->chosen; k++) {
+            const uint32_t before = c->order[k == 0 ? c->chosen - 1 : k - 1];
+            const uint32_t after = c->order[k + 1 == c->chosen ? 0 : k + 1];
+            double best = area(c, before, c->order[k], after);
+            for (uint32_t i = 0; i < c->count && c->order[k] != c->pinned; i++) {
+                const double a = area(c, before, i, after);
+                if (a > best * (1.0 + BETTER) && !is_chosen(c, i)) {
+                    best = a;
+                    c->order[k] = i;
+                    changed = 1;
+                }
+            }
+        }
+    }
+}
+
+/* Choose `max` of the points: the deepest, and those that keep the largest area. */
+static void choose_points(const double normal[3], double size, uint32_t max,
+                          const pair_point *points, choice *c)
+{
+    double frame[9];
+    frame_of(normal, frame);
+    for (uint32_t i = 0; i < c->count; i++) {
+        c->u[i] = tribo_vec3_dot(frame + 3, points[i].middle);
+        c->v[i] = tribo_vec3_dot(frame + 6, points[i].middle);
+    }
+    c->order[0] = choose_first(c, points, size);
+    c->chosen = 1;
+    if (max >= 2) {
+        c->order[1] = farthest_from(c, c->order[0]);
+        c->chosen = 2;
+    }
+    if (max >= 3) {
+        choose_third(c);
+    }
+    if (max >= 4) {
+        choose_fourth(c);
+    }
+    if (max >= 3) {
+        improve(c);
+    }
+}
+
+/* Drop what is farther apart than the margin, and points that coincide with the one before. */
+static uint32_t sift(double margin, double slack, double size, uint32_t count, pair_point *points)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        if (!(points[i].distance <= margin + slack)) {
+            continue;
+        }
+        int known = 0;
+        for (uint32_t k = 0; k < kept && !known; k++) {
+            double apart[3];
+            tribo_vec3_subtract(points[i].middle, points[k].middle, apart);
+            known = extent(apart) <= MERGE * size;
+        }
+        if (!known) {
+            points[kept++] = points[i];
+        }
+    }
+    return kept;
+}
+
+static void write_point(const pair_query *query, const pair_point *from, tribo_point *to)
+{
+    memcpy(to->arm_a, from->middle, sizeof to->arm_a);
+    tribo_vec3_subtract(from->middle, query->offset, to->arm_b);
+    to->distance = from->distance;
+    to->id = (uint64_t)from->a << 32 | from->b;
+}
+
+void clip_finish(const pair_query *query, const double normal[3], double size, uint32_t count,
+                 pair_point *points, tribo_manifold *out)
+{
+    choice c;
+    memset(out, 0, sizeof *out);
+    c.count = sift(query->margin, PAIR_ROUNDING * size, size, count, points);
+    if (c.count == 0) {
+        return;
+    }
+    memcpy(out->normal, normal, sizeof out->normal);
+    if (c.count <= query->max_points) {
+        out->count = c.count;
+        for (uint32_t i = 0; i < c.count; i++) {
+            write_point(query, &points[i], &out->points[i]);
+        }
+        return;
+    }
+    choose_points(normal, size, query->max_points, points, &c);
+    out->count = c.chosen;
+    for (uint32_t i = 0; i < c.chosen; i++) {
+        write_point(query, &points[c.order[i]], &out->points[i]);
+    }
+}
