@@ -1,6 +1,8 @@
 /* Convex hulls as flat blocks: building by Qhull, checking, and the queries on them. */
 #include "hull.h"
 
+#include "rows.h"
+
 #include <setjmp.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,6 +14,7 @@
 #define OUTSIDE 1e-9 /* of the extent: how far a point may lie outside of a plane */
 #define SLIVER 1e-12 /* of the extent: by how much the own normal of a face may miss a vertex */
 #define UNIT 1e-9
+#define NEEDLE 0.0009765625 /* width by length below which a hull is looked at along its length */
 
 /* ---- layout ---------------------------------------------------------------------------------- */
 
@@ -259,40 +262,118 @@ static void add_tetrahedron(const double a[3], const double b[3], const double c
     }
 }
 
-static void relative_vertex(const hull_block *hull, uint32_t index, double scale, double out[3])
+/* Vertices from the centre, in units of 1/scale; of a needle in axes along it. */
+typedef struct view {
+    const hull_block *hull;
+    double scale;
+    int is_turned;
+    double frame[9];
+} view;
+
+static void relative_vertex(const view *from, uint32_t index, double out[3])
 {
-    const double *v = hull_vertices(hull) + 3 * (size_t)index;
+    const double *v = hull_vertices(from->hull) + 3 * (size_t)index;
     for (int i = 0; i < 3; i++) {
-        out[i] = scale * (v[i] - hull->center[i]);
+        out[i] = from->scale * (v[i] - from->hull->center[i]);
+    }
+    if (from->is_turned) {
+        tribo_mat3_apply(from->frame, out, out);
+    }
+}
+
+static view view_of(const hull_block *hull, double scale)
+{
+    view from;
+    memset(&from, 0, sizeof from);
+    from.hull = hull;
+    from.scale = scale;
+    return from;
+}
+
+/* In the given axes the products of a needle's long components would drown its volume: with a relative
+ * error of eps / width^2 instead of eps / width. */
+static void turn_view(view *from)
+{
+    const uint32_t count = from->hull->vertex_count;
+    double axis[3] = {0.0, 0.0, 0.0};
+    double length = 0.0;
+    double width = 0.0;
+    double v[3];
+    for (uint32_t i = 0; i < count; i++) {
+        relative_vertex(from, i, v);
+        const double square = tribo_vec3_dot(v, v);
+        if (square > length) {
+            length = square;
+            memcpy(axis, v, sizeof axis);
+        }
+    }
+    tribo_vec3_scale(1.0 / sqrt(length), axis, axis);
+    for (uint32_t i = 0; i < count; i++) {
+        double across[3];
+        relative_vertex(from, i, v);
+        tribo_vec3_cross(axis, v, across);
+        width = greater(width, tribo_vec3_dot(across, across));
+    }
+    basis_rows(axis[0], axis[1], axis[2], from->frame);
+    from->is_turned = width < NEEDLE * NEEDLE * length;
+}
+
+/* Back to the axes of the hull: R' c and R' S R. */
+static void turn_back(const view *from, double center[3], double second[6])
+{
+    const double *r = from->frame;
+    const double s[6] = {second[0], second[1], second[2], second[3], second[4], second[5]};
+    double columns[9];
+    tribo_mat3_apply_transposed(r, center, center);
+    for (int i = 0; i < 3; i++) {
+        const double column[3] = {r[i], r[3 + i], r[6 + i]};
+        tribo_sym3_apply(s, column, columns + 3 * i);
+    }
+    for (int i = 0, k = 0; i < 3; i++) {
+        for (int j = i; j < 3; j++, k++) {
+            const double column[3] = {r[j], r[3 + j], r[6 + j]};
+            second[k] = tribo_vec3_dot(columns + 3 * i, column);
+        }
+    }
+}
+
+static void add_faces(const view *from, double *volume, double first[3], double second[6])
+{
+    const hull_block *hull = from->hull;
+    const uint32_t *starts = hull_table(hull, hull->face_starts);
+    const uint32_t *loops = hull_table(hull, hull->loops);
+    for (uint32_t f = 0; f < hull->face_count; f++) {
+        double a[3];
+        double b[3];
+        double c[3];
+        relative_vertex(from, loops[starts[f]], a);
+        relative_vertex(from, loops[starts[f] + 1], c);
+        for (uint32_t k = starts[f] + 2; k < starts[f + 1]; k++) {
+            memcpy(b, c, sizeof b);
+            relative_vertex(from, loops[k], c);
+            add_tetrahedron(a, b, c, volume, first, second);
+        }
     }
 }
 
 void hull_moments(const hull_block *hull, double scale, double *volume, double center[3],
                   double second[6])
 {
-    const uint32_t *starts = hull_table(hull, hull->face_starts);
-    const uint32_t *loops = hull_table(hull, hull->loops);
+    view from = view_of(hull, scale);
     double total = 0.0;
     double first[3] = {0.0, 0.0, 0.0};
     double sums[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-    for (uint32_t f = 0; f < hull->face_count; f++) {
-        double a[3];
-        double b[3];
-        double c[3];
-        relative_vertex(hull, loops[starts[f]], scale, a);
-        relative_vertex(hull, loops[starts[f] + 1], scale, c);
-        for (uint32_t k = starts[f] + 2; k < starts[f + 1]; k++) {
-            memcpy(b, c, sizeof b);
-            relative_vertex(hull, loops[k], scale, c);
-            add_tetrahedron(a, b, c, &total, first, sums);
-        }
-    }
+    turn_view(&from);
+    add_faces(&from, &total, first, sums);
     *volume = total;
     for (int i = 0, k = 0; i < 3; i++) {
         center[i] = first[i] / total;
         for (int j = i; j < 3; j++, k++) {
             second[k] = sums[k] - first[i] * (first[j] / total);
         }
+    }
+    if (from.is_turned) {
+        turn_back(&from, center, second);
     }
 }
 
@@ -342,7 +423,7 @@ static void normalise(const double *points, cloud *set)
     }
 }
 
-/* Distance of p from the span of `count` orthonormal axes at an origin; the remainder goes to rest. */
+/* Distance of p from the span of orthonormal axes at an origin; the remainder goes to rest. */
 static double distance_from(const double *p, const double *origin, const double *axes, int count,
                             double rest[3])
 {
@@ -435,7 +516,7 @@ static void copy_faces(qhT *qh, faces *out)
         memcpy(out->normals + 3 * (size_t)face, facet->normal, 3 * sizeof(double));
         FOREACHvertex_(loop)
         {
-            /* A loop is never longer than the set of vertices that was counted; no trust in that. */
+            /* A loop is no longer than the set that was counted; no trust in that. */
             if (side < out->sides) {
                 out->loops[side++] = (uint32_t)qh_pointid(qh, vertex->point);
             }
@@ -778,6 +859,12 @@ static void build_plane(const assembly *work, uint32_t face, double plane[4])
     plane[3] = tribo_vec3_dot(plane, v);
 }
 
+/* Distance of a face from the centre. */
+static double depth_of(const hull_block *hull, const double plane[4])
+{
+    return plane[3] - tribo_vec3_dot(plane, hull->center);
+}
+
 /* Centroid, planes, and the balls within and around. 0 if there is no volume. */
 static int measure_hull(assembly *work)
 {
@@ -795,30 +882,32 @@ static int measure_hull(assembly *work)
     for (uint32_t f = 0; f < hull->face_count; f++) {
         double *plane = planes + 4 * (size_t)f;
         build_plane(work, f, plane);
-        hull->inner = lesser(hull->inner, plane[3] - tribo_vec3_dot(plane, hull->center));
+        hull->inner = lesser(hull->inner, depth_of(hull, plane));
     }
+    const view from = view_of(hull, work->set->scale);
     double square = 0.0;
     for (uint32_t i = 0; i < hull->vertex_count; i++) {
         double arm[3];
-        relative_vertex(hull, i, work->set->scale, arm);
+        relative_vertex(&from, i, arm);
         square = greater(square, tribo_vec3_dot(arm, arm));
     }
     hull->outer = sqrt(square) / work->set->scale;
     return hull->inner > 0.0;
 }
 
-/* Where the ray from the centre through an arm lies between centre (0) and plane (1). */
+/* Where the ray from the centre through an arm meets a face, but for a common factor: the greater the
+ * nearer. */
 static double reach(const hull_block *hull, uint32_t face, const double arm[3])
 {
     const double *plane = hull_planes(hull) + 4 * (size_t)face;
-    return tribo_vec3_dot(plane, arm) / (plane[3] - tribo_vec3_dot(plane, hull->center));
+    return tribo_vec3_dot(plane, arm) / depth_of(hull, plane);
 }
 
 /* The face through which the ray along an arm leaves the hull: a climb on the polar body, whose
- * vertices are the faces. */
-static uint32_t face_along(const assembly *work, uint32_t start, const double arm[3])
+ * vertices are the faces. The support vertex is where it cannot be far. */
+static uint32_t face_along(const assembly *work, const double arm[3])
 {
-    uint32_t at = start;
+    uint32_t at = hull_face_at(work->hull, hull_support(work->hull, arm), arm);
     double greatest = reach(work->hull, at, arm);
     for (;;) {
         const uint32_t here = at;
@@ -838,14 +927,13 @@ static uint32_t face_along(const assembly *work, uint32_t start, const double ar
 static int all_are_inside(const assembly *work)
 {
     const hull_block *hull = work->hull;
-    uint32_t face = 0;
+    const double scale = work->set->scale;
     for (size_t i = 0; i < work->set->count; i++) {
         double arm[3];
         tribo_vec3_subtract(work->points + 3 * i, hull->center, arm);
-        face = face_along(work, face, arm);
-        const double *plane = hull_planes(hull) + 4 * (size_t)face;
-        const double inside = plane[3] - tribo_vec3_dot(plane, hull->center);
-        if (!((tribo_vec3_dot(plane, arm) - inside) * work->set->scale <= OUTSIDE)) {
+        tribo_vec3_scale(scale, arm, arm);
+        const double *plane = hull_planes(hull) + 4 * (size_t)face_along(work, arm);
+        if (!(tribo_vec3_dot(plane, arm) - scale * depth_of(hull, plane) <= OUTSIDE)) {
             return 0;
         }
     }

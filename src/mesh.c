@@ -1,4 +1,4 @@
-/* Triangle meshes as flat blocks: building without allocation, checking, and the query by bounds. */
+/* Triangle meshes as flat blocks: building without allocation, checking, the query by bounds. */
 #include "mesh.h"
 
 #define MAX_FACES ((size_t)1 << 30) /* so that sides count in 32 bits */

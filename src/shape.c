@@ -365,7 +365,7 @@ static uint32_t face_cone(const double size[2], const double d[3], double *point
     return 2;
 }
 
-/* The segment moved out by the radius along the direction: of all its points the farthest is exact. */
+/* The segment moved out by the radius along the direction: its farthest point is exact. */
 static uint32_t face_capsule(const double size[2], double *points, const double normal[3],
                              uint32_t *feature)
 {
