@@ -60,9 +60,7 @@ static double extent(const double v[3])
     return absolute(v[0]) + absolute(v[1]) + absolute(v[2]);
 }
 
-/* Distance of the shapes along a unit vector from B to A, and what rounding may have done to it. */
-static int distance_along(const pair_query *query, const double n[3], double *distance,
-                          double *rounding)
+int clip_distance(const pair_query *query, const double n[3], double *distance, double *rounding)
 {
     const double back[3] = {0.0 - n[0], 0.0 - n[1], 0.0 - n[2]};
     double a[3];
@@ -448,7 +446,7 @@ static int snap(const pair_query *query, const pair_face faces[2], pair_axis *ax
         pair_axis face;
         double rounding;
         tribo_vec3_scale(sign, n, face.normal);
-        if (!distance_along(query, face.normal, &face.distance, &rounding)) {
+        if (!clip_distance(query, face.normal, &face.distance, &rounding)) {
             continue;
         }
         const double gain = face.distance - axis->distance;
@@ -591,6 +589,63 @@ void clip_manifold(const pair_query *query, const pair_axis *axis, tribo_manifol
     clip_finish(query, best.normal, size, count, points, out);
 }
 
+/* ---- one face that is given -------------------------------------------------------------------------- */
+
+static int is_over(const polygon *p, double winding, double slack, double u, double v)
+{
+    int over = 1;
+    for (uint32_t j = 0; j < p->count; j++) {
+        const line l = side_line(p, j, winding);
+        over = over && line_value(&l, u, v) >= -slack;
+    }
+    return over;
+}
+
+/* The lowest point of A, if it lies over the polygon and is lower than all others. */
+static uint32_t add_lowest(const pair_query *query, const polygon p[2], const double frame[9],
+                           double slack, uint32_t count, pair_point *points)
+{
+    const double down[3] = {0.0 - frame[0], 0.0 - frame[1], 0.0 - frame[2]};
+    double at[3];
+    if (!take_support(query, 0, down, at)) {
+        return 0;
+    }
+    const double u = tribo_vec3_dot(frame + 3, at);
+    const double v = tribo_vec3_dot(frame + 6, at);
+    const double h = tribo_vec3_dot(frame, at);
+    const double distance = h - p[1].h[0];
+    if (!is_over(&p[1], winding_of(1), slack, u, v) ||
+        (count > 0 && !(distance < points[deepest_of(points, count)].distance - slack))) {
+        return 0;
+    }
+    place(frame, u, v, 0.5 * (h + p[1].h[0]), points[count].middle);
+    points[count].distance = distance;
+    points[count].a = pair_feature(p[0].feature, PAIR_CURVED, 0);
+    points[count].b = pair_feature(p[1].feature, PAIR_FACE, 0);
+    return 1;
+}
+
+void clip_onto(const pair_query *query, const pair_face *face, tribo_manifold *out)
+{
+    pair_face faces[2];
+    pair_point points[PAIR_MAX_POINTS];
+    polygon p[2];
+    double frame[9];
+    const double down[3] = {0.0 - face->normal[0], 0.0 - face->normal[1], 0.0 - face->normal[2]};
+    memset(out, 0, sizeof *out);
+    faces[1] = *face;
+    if (!clip_take_face(query, 0, down, &faces[0])) {
+        return;
+    }
+    frame_of(face->normal, frame);
+    flatten(&faces[0], frame, &p[0]);
+    flatten(&faces[1], frame, &p[1]);
+    const double slack = slack_of(p);
+    uint32_t count = p[0].count == 1 ? 0 : overlap(frame, p, 1, points);
+    count += add_lowest(query, p, frame, slack, count, points);
+    clip_finish(query, face->normal, lesser(p[0].size, p[1].size), count, points, out);
+}
+
 /* ---- choice of points ------------------------------------------------------------------------------- */
 
 typedef struct choice {
@@ -660,17 +715,22 @@ static int is_chosen(const choice *c, uint32_t i)
     return chosen;
 }
 
-/* Third point: the greatest triangle, turned counter-clockwise. */
+/* Third point: the greatest triangle, turned counter-clockwise. None if all lie on a line. */
 static void choose_third(choice *c)
 {
-    double best = -1.0;
-    uint32_t third = 0;
+    const double u = c->u[c->order[1]] - c->u[c->order[0]];
+    const double v = c->v[c->order[1]] - c->v[c->order[0]];
+    double best = MERGE * (u * u + v * v);
+    uint32_t third = PAIR_MAX_POINTS;
     for (uint32_t i = 0; i < c->count; i++) {
         const double a = absolute(area(c, c->order[0], c->order[1], i));
         if (!is_chosen(c, i) && a > best * (1.0 + BETTER)) {
             best = a;
             third = i;
         }
+    }
+    if (third == PAIR_MAX_POINTS) {
+        return;
     }
     if (area(c, c->order[0], c->order[1], third) < 0.0) {
         const uint32_t swap = c->order[0];
@@ -747,10 +807,10 @@ static void choose_points(const double normal[3], double size, uint32_t max,
     if (max >= 3) {
         choose_third(c);
     }
-    if (max >= 4) {
+    if (max >= 4 && c->chosen == 3) {
         choose_fourth(c);
     }
-    if (max >= 3) {
+    if (c->chosen >= 3) {
         improve(c);
     }
 }

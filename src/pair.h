@@ -78,6 +78,14 @@ int clip_take_face(const pair_query *query, int side, const double direction[3],
 uint32_t clip_faces(const pair_query *query, const pair_face faces[2], int reference,
                     const pair_axis *axis, pair_point points[PAIR_MAX_POINTS]);
 
+/* clip.c: manifold of A on one given face of B, with its normal: only what lies over that face counts. */
+void clip_onto(const pair_query *query, const pair_face *face, tribo_manifold *out);
+
+/* clip.c: distance of the shapes along a unit vector from B to A, and what rounding may have done to it. 0 if a
+ * user's function gave no finite point. */
+int clip_distance(const pair_query *query, const double normal[3], double *distance,
+                  double *rounding);
+
 /* clip.c: manifold of the points within the margin, reduced to what the query asks for. Points nearer to each
  * other than 1e-9 of `size` are one. */
 void clip_finish(const pair_query *query, const double normal[3], double size, uint32_t count,
