@@ -15,8 +15,8 @@
 #define CLIP_ROUNDING 1e-12 /* of the lengths: on the line is inside */
 #define PARALLEL 1e-3      /* sine of the angle up to which two edges are one line of contact */
 #define MERGE 1e-9         /* of the size: points that are one */
-#define LEVEL 1e-9         /* of the size: depths that are equal when the deepest point is sought */
-#define BETTER 1e-6        /* relative gain of area that is worth another choice of points */
+#define BETTER 1.000001    /* ratio of areas, or squares, that is worth another choice of points */
+#define RIDGE 1e-6         /* of the size: up to so much above the deepest point two ridges still touch */
 
 /* ---- faces ------------------------------------------------------------------------------------ */
 
@@ -115,19 +115,18 @@ static double winding_of(int side)
     return side == 0 ? -1.0 : 1.0;
 }
 
-/* Line through side j of a polygon: value > 0 inside, and of the size of a length. */
+/* Line through side j of a polygon. Its value is the distance from it times `length`, positive inside. */
 typedef struct line {
     double u, v, c;
+    double length; /* of the side, or up to 1.5 times that: it saves a root */
 } line;
 
 static line side_line(const polygon *p, uint32_t j, double winding)
 {
     const uint32_t k = j + 1 == p->count ? 0 : j + 1;
-    const double du = p->u[k] - p->u[j];
-    const double dv = p->v[k] - p->v[j];
-    const double length = sqrt(du * du + dv * dv);
-    const double scale = length > 0.0 ? winding / length : 0.0;
-    const line l = {0.0 - scale * dv, scale * du, scale * (dv * p->u[j] - du * p->v[j])};
+    const double du = winding * (p->u[k] - p->u[j]);
+    const double dv = winding * (p->v[k] - p->v[j]);
+    const line l = {0.0 - dv, du, dv * p->u[j] - du * p->v[j], absolute(du) + absolute(dv)};
     return l;
 }
 
@@ -166,34 +165,26 @@ static corner crossing(const corner *p, const corner *q, double dp, double dq, u
     return x;
 }
 
-/* Keep what lies inside of side j. */
-static uint32_t clip_by_line(const corner *in, uint32_t n, const line *l, double slack, uint32_t j,
+/* Keep what lies inside of side j; d are the values of its line at the corners. */
+static uint32_t clip_by_line(const corner *in, uint32_t n, const double *d, double slack, uint32_t j,
                              uint32_t count, corner *out)
 {
     uint32_t m = 0;
-    double dp = line_value(l, in[0].u, in[0].v);
-    const double first = dp;
-    for (uint32_t i = 0; i < n; i++) {
-        const corner *p = in + i;
-        const corner *q = i + 1 == n ? in : in + i + 1;
-        const double dq = i + 1 == n ? first : line_value(l, q->u, q->v);
-        const int p_inside = dp >= -slack;
-        const int q_inside = dq >= -slack;
-        if (m + 2 > PAIR_MAX_POINTS) {
-            break;
+    for (uint32_t i = 0; i < n && m + 2 <= PAIR_MAX_POINTS; i++) {
+        const uint32_t k = i + 1 == n ? 0 : i + 1;
+        const int inside = d[i] >= -slack;
+        const int next_inside = d[k] >= -slack;
+        if (inside) {
+            out[m++] = in[i];
         }
-        if (p_inside) {
-            out[m++] = *p;
-        }
-        if (p_inside && !q_inside) {
-            if (dp > slack) {
-                out[m++] = crossing(p, q, dp, dq, j, count);
+        if (inside && !next_inside) {
+            if (d[i] > slack) {
+                out[m++] = crossing(&in[i], &in[k], d[i], d[k], j, count);
             }
             out[m - 1].side = OWN_SIDE + j;
-        } else if (!p_inside && q_inside && dq > slack) {
-            out[m++] = crossing(p, q, dp, dq, j, count);
+        } else if (!inside && next_inside && d[k] > slack) {
+            out[m++] = crossing(&in[i], &in[k], d[i], d[k], j, count);
         }
-        dp = dq;
     }
     return m;
 }
@@ -205,6 +196,7 @@ static const corner *clip_polygon(const polygon *inner, const polygon *outer, do
     uint32_t n = inner->count;
     corner *from = work[0];
     corner *to = work[1];
+    double d[PAIR_MAX_POINTS];
     for (uint32_t i = 0; i < n; i++) {
         const corner c = {inner->u[i],
                           inner->v[i],
@@ -216,12 +208,14 @@ static const corner *clip_polygon(const polygon *inner, const polygon *outer, do
     }
     for (uint32_t j = 0; j < outer->count && n > 0; j++) {
         const line l = side_line(outer, j, winding);
+        const double room = slack * l.length;
         int cut = 0;
         for (uint32_t i = 0; i < n; i++) {
-            cut |= line_value(&l, from[i].u, from[i].v) < -slack;
+            d[i] = line_value(&l, from[i].u, from[i].v);
+            cut |= d[i] < -room;
         }
         if (cut) {
-            n = clip_by_line(from, n, &l, slack, j, outer->count, to);
+            n = clip_by_line(from, n, d, room, j, outer->count, to);
             corner *swap = from;
             from = to;
             to = swap;
@@ -241,11 +235,12 @@ static uint32_t clip_segment(const polygon *inner, const polygon *outer, double 
         const line l = side_line(outer, j, winding);
         const double d[2] = {line_value(&l, inner->u[0], inner->v[0]),
                              line_value(&l, inner->u[1], inner->v[1])};
-        if (d[0] < -slack && d[1] < -slack) {
+        const double room = slack * l.length;
+        if (d[0] < -room && d[1] < -room) {
             return 0;
         }
         for (int end = 0; end < 2; end++) {
-            if (d[end] < -slack) {
+            if (d[end] < -room) {
                 const double f = d[0] / (d[0] - d[1]);
                 const double at = f < 0.0 ? 0.0 : f > 1.0 ? 1.0 : f;
                 if (end == 0 ? at > t[0] : at < t[1]) {
@@ -525,7 +520,7 @@ static uint32_t touch_at_ridges(const pair_query *query, const pair_face faces[2
         return add_support(query, faces, reference, axis, points);
     }
     const double least = points[deepest_of(points, count)].distance;
-    const double level = least + BETTER * lesser(p[0].size, p[1].size);
+    const double level = least + RIDGE * lesser(p[0].size, p[1].size);
     uint32_t kept = 0;
     for (uint32_t i = 0; i < count; i++) {
         if (points[i].distance <= level) {
@@ -566,7 +561,7 @@ void clip_manifold(const pair_query *query, const pair_axis *axis, tribo_manifol
     pair_axis best = *axis;
     double back[3] = {0.0 - best.normal[0], 0.0 - best.normal[1], 0.0 - best.normal[2]};
     double size;
-    memset(out, 0, sizeof *out);
+    clip_nothing(out);
     if (!(axis->distance <= query->margin) || !clip_take_face(query, 0, back, &faces[0]) ||
         !clip_take_face(query, 1, best.normal, &faces[1])) {
         return;
@@ -585,8 +580,8 @@ void clip_manifold(const pair_query *query, const pair_axis *axis, tribo_manifol
     if (count > 0) {
         const uint32_t deepest = deepest_of(points, count);
         points[deepest].distance = lesser(points[deepest].distance, query->margin);
+        clip_finish(query, best.normal, size, count, points, out);
     }
-    clip_finish(query, best.normal, size, count, points, out);
 }
 
 /* ---- one face that is given -------------------------------------------------------------------------- */
@@ -596,7 +591,7 @@ static int is_over(const polygon *p, double winding, double slack, double u, dou
     int over = 1;
     for (uint32_t j = 0; j < p->count; j++) {
         const line l = side_line(p, j, winding);
-        over = over && line_value(&l, u, v) >= -slack;
+        over = over && line_value(&l, u, v) >= -slack * l.length;
     }
     return over;
 }
@@ -632,7 +627,7 @@ void clip_onto(const pair_query *query, const pair_face *face, tribo_manifold *o
     polygon p[2];
     double frame[9];
     const double down[3] = {0.0 - face->normal[0], 0.0 - face->normal[1], 0.0 - face->normal[2]};
-    memset(out, 0, sizeof *out);
+    clip_nothing(out);
     faces[1] = *face;
     if (!clip_take_face(query, 0, down, &faces[0])) {
         return;
@@ -643,16 +638,20 @@ void clip_onto(const pair_query *query, const pair_face *face, tribo_manifold *o
     const double slack = slack_of(p);
     uint32_t count = p[0].count == 1 ? 0 : overlap(frame, p, 1, points);
     count += add_lowest(query, p, frame, slack, count, points);
-    clip_finish(query, face->normal, lesser(p[0].size, p[1].size), count, points, out);
+    if (count > 0) {
+        clip_finish(query, face->normal, lesser(p[0].size, p[1].size), count, points, out);
+    }
 }
 
 /* ---- choice of points ------------------------------------------------------------------------------- */
 
+enum { NONE = PAIR_MAX_POINTS };
+
 typedef struct choice {
     uint32_t count;
-    uint32_t pinned; /* this one stays; PAIR_MAX_POINTS: none is deeper than all others */
-    uint32_t chosen; /* the first `chosen` of `order` are taken, in order around the area */
-    uint32_t order[TRIBO_MAX_POINTS];
+    uint32_t pinned; /* this one stays; NONE: no point is deeper than all others */
+    uint32_t chosen;
+    uint32_t order[TRIBO_MAX_POINTS]; /* the chosen ones, counter-clockwise */
     double u[PAIR_MAX_POINTS];
     double v[PAIR_MAX_POINTS];
 } choice;
@@ -664,30 +663,30 @@ static double area(const choice *c, uint32_t i, uint32_t j, uint32_t k)
 }
 
 /* The point that goes first: the deepest, or of all that are as deep the farthest from the middle. */
-static uint32_t choose_first(choice *c, const pair_point *points, double size)
+static uint32_t choose_first(choice *c, const pair_point *points, double slack)
 {
     double middle[2] = {0.0, 0.0};
     double least = points[0].distance;
-    double greatest = points[0].distance;
+    double most = points[0].distance;
     for (uint32_t i = 0; i < c->count; i++) {
-        middle[0] += c->u[i] / (double)c->count;
-        middle[1] += c->v[i] / (double)c->count;
+        middle[0] += c->u[i];
+        middle[1] += c->v[i];
         least = lesser(least, points[i].distance);
-        greatest = greater(greatest, points[i].distance);
+        most = greater(most, points[i].distance);
     }
-    const double level = least + LEVEL * size;
+    middle[0] /= (double)c->count;
+    middle[1] /= (double)c->count;
     uint32_t first = 0;
     double best = -1.0;
     for (uint32_t i = 0; i < c->count; i++) {
         const double u = c->u[i] - middle[0];
         const double v = c->v[i] - middle[1];
-        const double square = u * u + v * v;
-        if (points[i].distance <= level && square > best * (1.0 + BETTER)) {
+        if (points[i].distance <= least + slack && u * u + v * v > best * BETTER) {
             first = i;
-            best = square;
+            best = u * u + v * v;
         }
     }
-    c->pinned = greatest <= level ? PAIR_MAX_POINTS : first;
+    c->pinned = most <= least + slack ? NONE : first;
     return first;
 }
 
@@ -698,7 +697,7 @@ static uint32_t farthest_from(const choice *c, uint32_t first)
     for (uint32_t i = 0; i < c->count; i++) {
         const double u = c->u[i] - c->u[first];
         const double v = c->v[i] - c->v[first];
-        if (u * u + v * v > best * (1.0 + BETTER)) {
+        if (u * u + v * v > best * BETTER) {
             farthest = i;
             best = u * u + v * v;
         }
@@ -706,68 +705,79 @@ static uint32_t farthest_from(const choice *c, uint32_t first)
     return farthest;
 }
 
-static int is_chosen(const choice *c, uint32_t i)
+/* The points farthest to the left and to the right of the line through the first two, NONE where there is
+ * none: what lies on the line adds no area. */
+static void choose_sides(const choice *c, uint32_t sides[2])
 {
-    int chosen = 0;
-    for (uint32_t k = 0; k < c->chosen; k++) {
-        chosen |= c->order[k] == i;
-    }
-    return chosen;
-}
-
-/* Third point: the greatest triangle, turned counter-clockwise. None if all lie on a line. */
-static void choose_third(choice *c)
-{
-    const double u = c->u[c->order[1]] - c->u[c->order[0]];
-    const double v = c->v[c->order[1]] - c->v[c->order[0]];
-    double best = MERGE * (u * u + v * v);
-    uint32_t third = PAIR_MAX_POINTS;
-    for (uint32_t i = 0; i < c->count; i++) {
-        const double a = absolute(area(c, c->order[0], c->order[1], i));
-        if (!is_chosen(c, i) && a > best * (1.0 + BETTER)) {
-            best = a;
-            third = i;
+    const uint32_t i = c->order[0];
+    const uint32_t j = c->order[1];
+    const double u = c->u[j] - c->u[i];
+    const double v = c->v[j] - c->v[i];
+    double best[2] = {MERGE * (u * u + v * v), MERGE * (u * u + v * v)};
+    sides[0] = sides[1] = NONE;
+    for (uint32_t k = 0; k < c->count; k++) {
+        const double a = area(c, i, j, k);
+        const int side = a > 0.0 ? 0 : 1;
+        if (absolute(a) > best[side] * BETTER) {
+            best[side] = absolute(a);
+            sides[side] = k;
         }
     }
-    if (third == PAIR_MAX_POINTS) {
-        return;
-    }
-    if (area(c, c->order[0], c->order[1], third) < 0.0) {
-        const uint32_t swap = c->order[0];
-        c->order[0] = c->order[1];
-        c->order[1] = swap;
-    }
-    c->order[2] = third;
-    c->chosen = 3;
 }
 
-/* Fourth point: what adds most area outside of the triangle, put between the ends of the side it lies off. */
+/* All on one side of the first two: what adds most area to the triangle, between the ends of its side. */
 static void choose_fourth(choice *c)
 {
     double best = 0.0;
-    uint32_t fourth = PAIR_MAX_POINTS;
+    uint32_t fourth = NONE;
     uint32_t side = 0;
-    for (uint32_t i = 0; i < c->count; i++) {
-        for (uint32_t k = 0; k < 3 && !is_chosen(c, i); k++) {
+    for (uint32_t k = 0; k < 3; k++) {
+        for (uint32_t i = 0; i < c->count; i++) {
             const double gain = 0.0 - area(c, c->order[k], c->order[k == 2 ? 0 : k + 1], i);
-            if (gain > best * (1.0 + BETTER)) {
+            if (gain > best * BETTER) {
                 best = gain;
                 fourth = i;
                 side = k;
             }
         }
     }
-    if (fourth == PAIR_MAX_POINTS) {
-        return;
+    if (fourth != NONE) {
+        for (uint32_t k = 3; k > side + 1; k--) {
+            c->order[k] = c->order[k - 1];
+        }
+        c->order[side + 1] = fourth;
+        c->chosen = 4;
     }
-    for (uint32_t k = 3; k > side + 1; k--) {
-        c->order[k] = c->order[k - 1];
-    }
-    c->order[side + 1] = fourth;
-    c->chosen = 4;
 }
 
-/* Move one point after the other to where it gives more area between its neighbours. */
+static void choose_area(choice *c, uint32_t max)
+{
+    uint32_t sides[2];
+    choose_sides(c, sides);
+    if (max >= 4 && sides[0] != NONE && sides[1] != NONE) {
+        const uint32_t order[4] = {c->order[0], sides[1], c->order[1], sides[0]};
+        memcpy(c->order, order, sizeof order);
+        c->chosen = 4;
+        return;
+    }
+    const uint32_t i = c->order[0];
+    const uint32_t j = c->order[1];
+    const double left = sides[0] == NONE ? 0.0 : area(c, i, j, sides[0]);
+    const double right = sides[1] == NONE ? 0.0 : area(c, j, i, sides[1]);
+    if (left == 0.0 && right == 0.0) {
+        return;
+    }
+    c->order[0] = left >= right ? i : j;
+    c->order[1] = left >= right ? j : i;
+    c->order[2] = left >= right ? sides[0] : sides[1];
+    c->chosen = 3;
+    if (max >= 4) {
+        choose_fourth(c);
+    }
+}
+
+/* Move one point after the other to where it gives more area between its neighbours: these two add none, and
+ * the point across lies on the other side of them. */
 static void improve(choice *c)
 {
     for (int pass = 0, changed = 1; pass < 2 && changed; pass++) {
@@ -778,7 +788,7 @@ static void improve(choice *c)
             double best = area(c, before, c->order[k], after);
             for (uint32_t i = 0; i < c->count && c->order[k] != c->pinned; i++) {
                 const double a = area(c, before, i, after);
-                if (a > best * (1.0 + BETTER) && !is_chosen(c, i)) {
+                if (a > best * BETTER) {
                     best = a;
                     c->order[k] = i;
                     changed = 1;
@@ -789,7 +799,7 @@ static void improve(choice *c)
 }
 
 /* Choose `max` of the points: the deepest, and those that keep the largest area. */
-static void choose_points(const double normal[3], double size, uint32_t max,
+static void choose_points(const double normal[3], double slack, uint32_t max,
                           const pair_point *points, choice *c)
 {
     double frame[9];
@@ -798,39 +808,40 @@ static void choose_points(const double normal[3], double size, uint32_t max,
         c->u[i] = tribo_vec3_dot(frame + 3, points[i].middle);
         c->v[i] = tribo_vec3_dot(frame + 6, points[i].middle);
     }
-    c->order[0] = choose_first(c, points, size);
+    c->order[0] = choose_first(c, points, slack);
     c->chosen = 1;
     if (max >= 2) {
         c->order[1] = farthest_from(c, c->order[0]);
         c->chosen = 2;
     }
     if (max >= 3) {
-        choose_third(c);
-    }
-    if (max >= 4 && c->chosen == 3) {
-        choose_fourth(c);
+        choose_area(c, max);
     }
     if (c->chosen >= 3) {
         improve(c);
     }
 }
 
-/* Drop what is farther apart than the margin, and points that coincide with the one before. */
-static uint32_t sift(double margin, double slack, double size, uint32_t count, pair_point *points)
+static int is_same(const double a[3], const double b[3], double reach)
+{
+    return absolute(a[0] - b[0]) <= reach && absolute(a[1] - b[1]) <= reach &&
+           absolute(a[2] - b[2]) <= reach;
+}
+
+/* Drop what is farther apart than the margin, and points that coincide with one before. */
+static uint32_t sift(double margin, double reach, uint32_t count, pair_point *points)
 {
     uint32_t kept = 0;
     for (uint32_t i = 0; i < count; i++) {
-        if (!(points[i].distance <= margin + slack)) {
-            continue;
-        }
-        int known = 0;
+        int known = !(points[i].distance <= margin);
         for (uint32_t k = 0; k < kept && !known; k++) {
-            double apart[3];
-            tribo_vec3_subtract(points[i].middle, points[k].middle, apart);
-            known = extent(apart) <= MERGE * size;
+            known = is_same(points[i].middle, points[k].middle, reach);
         }
         if (!known) {
-            points[kept++] = points[i];
+            if (kept != i) {
+                points[kept] = points[i];
+            }
+            kept++;
         }
     }
     return kept;
@@ -838,22 +849,28 @@ static uint32_t sift(double margin, double slack, double size, uint32_t count, p
 
 static void write_point(const pair_query *query, const pair_point *from, tribo_point *to)
 {
-    memcpy(to->arm_a, from->middle, sizeof to->arm_a);
-    tribo_vec3_subtract(from->middle, query->offset, to->arm_b);
+    for (int i = 0; i < 3; i++) {
+        to->arm_a[i] = from->middle[i];
+        to->arm_b[i] = from->middle[i] - query->offset[i];
+    }
     to->distance = from->distance;
     to->id = (uint64_t)from->a << 32 | from->b;
+}
+
+void clip_nothing(tribo_manifold *out)
+{
+    memset(out, 0, offsetof(tribo_manifold, points));
 }
 
 void clip_finish(const pair_query *query, const double normal[3], double size, uint32_t count,
                  pair_point *points, tribo_manifold *out)
 {
     choice c;
-    memset(out, 0, sizeof *out);
-    c.count = sift(query->margin, PAIR_ROUNDING * size, size, count, points);
-    if (c.count == 0) {
-        return;
-    }
+    clip_nothing(out);
     memcpy(out->normal, normal, sizeof out->normal);
+    const double slack =
+        PAIR_ROUNDING * (size + extent(points[0].middle) + extent(query->offset));
+    c.count = sift(query->margin + slack, MERGE * size, count, points);
     if (c.count <= query->max_points) {
         out->count = c.count;
         for (uint32_t i = 0; i < c.count; i++) {
@@ -861,7 +878,7 @@ void clip_finish(const pair_query *query, const double normal[3], double size, u
         }
         return;
     }
-    choose_points(normal, size, query->max_points, points, &c);
+    choose_points(normal, slack, query->max_points, points, &c);
     out->count = c.chosen;
     for (uint32_t i = 0; i < c.chosen; i++) {
         write_point(query, &points[c.order[i]], &out->points[i]);

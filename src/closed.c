@@ -404,7 +404,7 @@ static void box_plane(const pair_query *query, const plane *p, tribo_manifold *o
                          absolute(down[2]) * half[2];
     const double slack = PAIR_ROUNDING * (reach + absolute(p->level));
     if (0.0 - reach - p->level > query->margin + slack) {
-        memset(out, 0, sizeof *out);
+        clip_nothing(out);
         return;
     }
     const int axis = greatest_of(down);
@@ -474,7 +474,6 @@ static tribo_status half_space(const pair_query *query, tribo_manifold *out)
 
 /* ---- box and box: separating axes (Gottschalk, Lin, Manocha 1996) --------------------------------- */
 
-#define FACE_WIDTH 1e-6    /* of the depth: by so much the face taken may be worse than another axis */
 #define EDGES_PARALLEL 1e-28 /* square of the sine of the angle below which it is noise */
 #define NEARLY_FLAT 0.9995 /* cosine of a face with the normal, up to which an edge axis gives an area */
 
@@ -514,15 +513,9 @@ static void take_boxes(const pair_query *query, boxes *x)
     x->rounding = PAIR_ROUNDING * (extent(query->offset) + extent(x->half_a) + extent(x->half_b));
 }
 
-/* What another axis must beat to replace the best one. */
-static double limit_of(const boxes *x, double distance)
-{
-    return distance + (FACE_WIDTH * greater(0.0 - distance, 0.0) + x->rounding);
-}
-
 static void offer_face(const boxes *x, int which, double distance, best_axis *best)
 {
-    if (which == 0 || distance > limit_of(x, best->distance)) {
+    if (which == 0 || distance > best->distance + x->rounding) {
         best->which = which;
         best->distance = distance;
     }
@@ -566,7 +559,7 @@ static double edge_distance(const boxes *x, int i, int j, double *along)
  * as the boxes are apart by more than the margin. */
 static int try_edges(const boxes *x, best_axis *best)
 {
-    double limit = limit_of(x, best->distance);
+    double limit = best->distance + x->rounding;
     const double margin = x->query->margin;
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++) {
@@ -630,6 +623,10 @@ static double face_size(const double half[3], uint32_t feature)
 static void finish_faces(const boxes *x, const pair_face faces[2], const pair_axis *axis,
                          uint32_t count, pair_point *points, tribo_manifold *out)
 {
+    if (count == 0) {
+        clip_nothing(out);
+        return;
+    }
     const double size = lesser(face_size(x->half_a, faces[0].feature),
                                face_size(x->half_b, faces[1].feature));
     clip_finish(x->query, axis->normal, size, count, points, out);
@@ -818,7 +815,7 @@ static void box_box(const pair_query *query, tribo_manifold *out)
     take_boxes(query, &x);
     try_faces(&x, &best);
     if (best.distance > query->margin + x.rounding || !try_edges(&x, &best)) {
-        memset(out, 0, sizeof *out);
+        clip_nothing(out);
     } else if (best.which < 3) {
         by_face_of_a(&x, best.which, best.distance, out);
     } else if (best.which < 6) {

@@ -421,8 +421,7 @@ static void nearest_of_triangle(const double v[9], double out[3])
     }
 }
 
-/* A sphere needs no libccd: 0 if it does not touch. */
-static int sphere_axis(const pair_query *q, const pair_face *face, pair_axis *axis)
+static void sphere_axis(const pair_query *q, const pair_face *face, pair_axis *axis)
 {
     double nearest[3];
     nearest_of_triangle(face->points, nearest);
@@ -432,7 +431,6 @@ static int sphere_axis(const pair_query *q, const pair_face *face, pair_axis *ax
         memcpy(axis->normal, face->normal, sizeof axis->normal);
     }
     axis->distance = length - q->a->size[0];
-    return axis->distance <= q->margin;
 }
 
 /* Whether a normal leans over an edge that bodies may touch, not over one inside of the surface. */
@@ -478,6 +476,19 @@ static void place_triangle(const pair_query *q, const mesh_triangle *from, const
     }
 }
 
+/* Axis of A and the triangle, by the sphere's closed form or libccd. */
+static tribo_status triangle_axis(const pair_query *q, const pair_face *face, pair_axis *axis,
+                                  tribo_collide_info *info)
+{
+    if (q->a->type == TRIBO_SHAPE_SPHERE) {
+        sphere_axis(q, face, axis);
+        info->closed++;
+        return TRIBO_OK;
+    }
+    info->general++;
+    return convex_axis(q, axis, info);
+}
+
 /* The edges inside of the surface are none to the body: there the normal is the triangle's own. */
 static tribo_status touch_triangle(const pair_query *q, const mesh_triangle *from,
                                    const triangle *t, tribo_manifold *out,
@@ -485,28 +496,11 @@ static tribo_status touch_triangle(const pair_query *q, const mesh_triangle *fro
 {
     pair_face face;
     pair_axis axis;
-    memset(out, 0, sizeof *out);
+    clip_nothing(out);
     place_triangle(q, from, t, &face);
-    if (q->a->type == TRIBO_SHAPE_SPHERE) {
-        info->closed++;
-        if (!sphere_axis(q, &face, &axis)) {
-            return TRIBO_OK;
-        }
-        out->method = TRIBO_METHOD_CLOSED;
-    } else {
-        const tribo_status status = convex_axis(q, &axis, info);
-        if (status != TRIBO_OK) {
-            return status;
-        }
-        info->general++;
-        if (!(axis.distance <= q->margin)) {
-            return TRIBO_OK;
-        }
-    }
-    const uint32_t method =
-        q->a->type == TRIBO_SHAPE_SPHERE ? TRIBO_METHOD_CLOSED : TRIBO_METHOD_GENERAL;
-    if (is_behind(q, &face)) {
-        return TRIBO_OK;
+    const tribo_status status = triangle_axis(q, &face, &axis, info);
+    if (status != TRIBO_OK || !(axis.distance <= q->margin) || is_behind(q, &face)) {
+        return status;
     }
     if (tribo_vec3_dot(axis.normal, face.normal) > 0.0 &&
         leans_over_active(&face, from->flags, axis.normal)) {
@@ -514,7 +508,8 @@ static tribo_status touch_triangle(const pair_query *q, const mesh_triangle *fro
     } else {
         clip_onto(q, &face, out);
     }
-    out->method = method;
+    out->method =
+        q->a->type == TRIBO_SHAPE_SPHERE ? TRIBO_METHOD_CLOSED : TRIBO_METHOD_GENERAL;
     return check_manifold(out);
 }
 
@@ -582,6 +577,15 @@ static tribo_status touch_mesh(const pair_query *whole, const part *a, const par
     return TRIBO_OK;
 }
 
+/* Points beyond the count are not written. */
+static void copy_manifold(const tribo_manifold *from, tribo_manifold *to)
+{
+    memcpy(to, from, offsetof(tribo_manifold, points));
+    for (uint32_t k = 0; k < from->count; k++) {
+        to->points[k] = from->points[k];
+    }
+}
+
 /* ---- all parts of a pair ---------------------------------------------------------------------------- */
 
 static tribo_status touch_parts(const pair_query *whole, uint32_t method, const part *a,
@@ -636,18 +640,13 @@ static int is_simple(const tribo_shape *shape)
 
 /* Few manifolds wait on the stack. Of many only the number is known after the first round; a second one writes
  * them out when nothing can fail any more but a library's memory. */
-static tribo_status collide(const pair_query *whole, uint32_t method, uint32_t capacity,
-                            tribo_manifold *manifolds, uint32_t *count, tribo_collide_info *info)
+static tribo_status collide_parts(const pair_query *whole, uint32_t method, uint32_t capacity,
+                                  tribo_manifold *manifolds, uint32_t *count,
+                                  tribo_collide_info *info)
 {
     tribo_manifold few[FEW];
     sink first = {few, FEW, 0};
-    tribo_status status = TRIBO_OK;
-    if (is_simple(whole->a) && is_simple(whole->b)) {
-        status = touch(whole, method, &few[0], info);
-        first.count = few[0].count > 0 ? 1 : 0;
-    } else {
-        status = touch_all(whole, method, &first, info);
-    }
+    const tribo_status status = touch_all(whole, method, &first, info);
     if (status != TRIBO_OK) {
         return status;
     }
@@ -655,15 +654,31 @@ static tribo_status collide(const pair_query *whole, uint32_t method, uint32_t c
     if (first.count > capacity) {
         return TRIBO_ERROR_CAPACITY;
     }
-    if (first.count <= FEW) {
-        if (first.count > 0) {
-            memcpy(manifolds, few, first.count * sizeof *manifolds);
-        }
-        return TRIBO_OK;
+    if (first.count > FEW) {
+        tribo_collide_info again = {0};
+        sink second = {manifolds, capacity, 0};
+        return touch_all(whole, method, &second, &again);
     }
-    tribo_collide_info again = {0};
-    sink second = {manifolds, capacity, 0};
-    return touch_all(whole, method, &second, &again);
+    for (uint32_t i = 0; i < first.count; i++) {
+        copy_manifold(&few[i], &manifolds[i]);
+    }
+    return TRIBO_OK;
+}
+
+static tribo_status collide_simple(const pair_query *query, uint32_t method, uint32_t capacity,
+                                   tribo_manifold *manifolds, uint32_t *count,
+                                   tribo_collide_info *info)
+{
+    tribo_manifold m;
+    const tribo_status status = touch(query, method, &m, info);
+    if (status != TRIBO_OK) {
+        return status;
+    }
+    *count = m.count > 0 ? 1 : 0;
+    if (m.count > 0 && capacity > 0) {
+        copy_manifold(&m, manifolds);
+    }
+    return *count > capacity ? TRIBO_ERROR_CAPACITY : TRIBO_OK;
 }
 
 static void give_info(tribo_collide_info *info, tribo_collide_info *full)
@@ -699,7 +714,9 @@ tribo_status tribo_collide_shapes(const tribo_shape *shape_a, const tribo_pose *
     if (status != TRIBO_OK) {
         return status;
     }
-    status = collide(&query, known.method, capacity, manifolds, count, &full);
+    status = is_simple(shape_a) && is_simple(shape_b)
+                 ? collide_simple(&query, known.method, capacity, manifolds, count, &full)
+                 : collide_parts(&query, known.method, capacity, manifolds, count, &full);
     if (status == TRIBO_OK) {
         give_info(info, &full);
     }
@@ -732,7 +749,7 @@ static tribo_status batch_pair(uint32_t shape_count, const tribo_shape *shapes,
         status = touch(&query, options->method, &m, info);
     }
     if (status == TRIBO_OK) {
-        *out = m;
+        copy_manifold(&m, out);
     }
     return status;
 }

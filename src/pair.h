@@ -86,8 +86,11 @@ void clip_onto(const pair_query *query, const pair_face *face, tribo_manifold *o
 int clip_distance(const pair_query *query, const double normal[3], double *distance,
                   double *rounding);
 
-/* clip.c: manifold of the points within the margin, reduced to what the query asks for. Points nearer to each
- * other than 1e-9 of `size` are one. */
+/* clip.c: a manifold without points. */
+void clip_nothing(tribo_manifold *out);
+
+/* clip.c: manifold of the points (at least one) within the margin, reduced to what the query asks for. Points
+ * nearer to each other than 1e-9 of `size` are one. */
 void clip_finish(const pair_query *query, const double normal[3], double size, uint32_t count,
                  pair_point *points, tribo_manifold *out);
 
