@@ -12,7 +12,7 @@
 #define MAX_POINTS ((size_t)1 << 24)
 #define FLAT 1e-12   /* of the extent: thinner point sets span no volume */
 #define OUTSIDE 1e-9 /* of the extent: how far a point may lie outside of a plane */
-#define SLIVER 1e-12 /* of the extent: by how much the own normal of a face may miss a vertex */
+#define SLIVER 1e-14 /* of the extent: by how much the own normal of a face may miss a vertex */
 #define UNIT 1e-9
 #define NEEDLE 0.0009765625 /* width by length below which a hull is looked at along its length */
 
@@ -290,8 +290,8 @@ static view view_of(const hull_block *hull, double scale)
     return from;
 }
 
-/* In the given axes the products of a needle's long components would drown its volume: with a relative
- * error of eps / width^2 instead of eps / width. */
+/* In the given axes the products of a needle's long components would drown its volume: the relative
+ * error is eps / width^2 there, and eps / width here. */
 static void turn_view(view *from)
 {
     const uint32_t count = from->hull->vertex_count;
@@ -895,8 +895,8 @@ static int measure_hull(assembly *work)
     return hull->inner > 0.0;
 }
 
-/* Where the ray from the centre through an arm meets a face, but for a common factor: the greater the
- * nearer. */
+/* Where the ray from the centre through an arm meets a face, but for a common factor: the greater,
+ * the nearer. */
 static double reach(const hull_block *hull, uint32_t face, const double arm[3])
 {
     const double *plane = hull_planes(hull) + 4 * (size_t)face;
@@ -960,7 +960,10 @@ static tribo_status assemble(assembly *work)
         return TRIBO_ERROR_DEGENERATE;
     }
     build_seeds(work->hull);
-    return measure_hull(work) && all_are_inside(work) ? TRIBO_OK : TRIBO_ERROR_DEGENERATE;
+    if (!measure_hull(work) || !all_are_inside(work)) {
+        return TRIBO_ERROR_DEGENERATE;
+    }
+    return numbers_are_valid(work->hull) ? TRIBO_OK : TRIBO_ERROR_RANGE;
 }
 
 /* ---- building -------------------------------------------------------------------------------- */

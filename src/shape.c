@@ -146,7 +146,9 @@ static void unit_of(const double d[3], double out[3])
     double s[3];
     scale_direction(d, s);
     const double length = sqrt(tribo_vec3_dot(s, s));
-    tribo_vec3_scale(length > 0.0 ? 1.0 / length : 0.0, s, out);
+    for (int i = 0; i < 3; i++) {
+        out[i] = length > 0.0 ? s[i] / length : 0.0; /* exactly 1 along an axis */
+    }
 }
 
 static double length_of(const double d[3])

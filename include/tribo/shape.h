@@ -148,9 +148,9 @@ TRIBO_API tribo_status tribo_shape_mass(const tribo_shape *shape, double density
  *  @param points width 3
  *  @param block  receives the hull, aligned to 8; may be null if capacity is 0
  *  @param needed receives the bytes the block needs (also with TRIBO_ERROR_CAPACITY); may be null
- *  @return TRIBO_ERROR_NULL, TRIBO_ERROR_NOT_FINITE, TRIBO_ERROR_RANGE (count),
- *          TRIBO_ERROR_DEGENERATE (all points equal, on a line or in a plane, relative to their
- *          extent by 1e-12; or so near to it that rounding leaves no convex solid),
+ *  @return TRIBO_ERROR_NULL, TRIBO_ERROR_NOT_FINITE, TRIBO_ERROR_RANGE (count, or the
+ *          radius overflows), TRIBO_ERROR_DEGENERATE (all points equal, on a line or in a plane,
+ *          relative to their extent by 1e-12; or so nearly that rounding leaves no convex solid),
  *          TRIBO_ERROR_CAPACITY, TRIBO_ERROR_MEMORY. */
 TRIBO_API tribo_status tribo_hull_build(size_t count, const double *points, void *block,
                                         size_t capacity, size_t *needed);
