@@ -705,24 +705,24 @@ static uint32_t farthest_from(const choice *c, uint32_t first)
     return farthest;
 }
 
-/* The points farthest to the left and to the right of the line through the first two, NONE where there is
- * none: what lies on the line adds no area. */
-static void choose_sides(const choice *c, uint32_t sides[2])
+/* The point farthest to the left of the line from i to j, by more area than `least`; NONE if there is none. */
+static uint32_t farthest_left(const choice *c, uint32_t i, uint32_t j, double *least)
 {
-    const uint32_t i = c->order[0];
-    const uint32_t j = c->order[1];
-    const double u = c->u[j] - c->u[i];
-    const double v = c->v[j] - c->v[i];
-    double best[2] = {MERGE * (u * u + v * v), MERGE * (u * u + v * v)};
-    sides[0] = sides[1] = NONE;
+    const double u0 = c->u[i];
+    const double v0 = c->v[i];
+    const double u = c->u[j] - u0;
+    const double v = c->v[j] - v0;
+    double limit = *least * BETTER;
+    uint32_t farthest = NONE;
     for (uint32_t k = 0; k < c->count; k++) {
-        const double a = area(c, i, j, k);
-        const int side = a > 0.0 ? 0 : 1;
-        if (absolute(a) > best[side] * BETTER) {
-            best[side] = absolute(a);
-            sides[side] = k;
+        const double a = u * (c->v[k] - v0) - v * (c->u[k] - u0);
+        if (a > limit) {
+            *least = a;
+            limit = a * BETTER;
+            farthest = k;
         }
     }
+    return farthest;
 }
 
 /* All on one side of the first two: what adds most area to the triangle, between the ends of its side. */
@@ -732,13 +732,10 @@ static void choose_fourth(choice *c)
     uint32_t fourth = NONE;
     uint32_t side = 0;
     for (uint32_t k = 0; k < 3; k++) {
-        for (uint32_t i = 0; i < c->count; i++) {
-            const double gain = 0.0 - area(c, c->order[k], c->order[k == 2 ? 0 : k + 1], i);
-            if (gain > best * BETTER) {
-                best = gain;
-                fourth = i;
-                side = k;
-            }
+        const uint32_t found = farthest_left(c, c->order[k == 2 ? 0 : k + 1], c->order[k], &best);
+        if (found != NONE) {
+            fourth = found;
+            side = k;
         }
     }
     if (fourth != NONE) {
@@ -750,26 +747,30 @@ static void choose_fourth(choice *c)
     }
 }
 
+/* What spans an area with the first two, on both sides of the line between them. What lies on it adds none. */
 static void choose_area(choice *c, uint32_t max)
 {
-    uint32_t sides[2];
-    choose_sides(c, sides);
-    if (max >= 4 && sides[0] != NONE && sides[1] != NONE) {
-        const uint32_t order[4] = {c->order[0], sides[1], c->order[1], sides[0]};
+    const uint32_t i = c->order[0];
+    const uint32_t j = c->order[1];
+    const double u = c->u[j] - c->u[i];
+    const double v = c->v[j] - c->v[i];
+    double left = MERGE * (u * u + v * v);
+    double right = left;
+    const uint32_t on_left = farthest_left(c, i, j, &left);
+    const uint32_t on_right = farthest_left(c, j, i, &right);
+    if (on_left == NONE && on_right == NONE) {
+        return;
+    }
+    if (max >= 4 && on_left != NONE && on_right != NONE) {
+        const uint32_t order[4] = {i, on_right, j, on_left};
         memcpy(c->order, order, sizeof order);
         c->chosen = 4;
         return;
     }
-    const uint32_t i = c->order[0];
-    const uint32_t j = c->order[1];
-    const double left = sides[0] == NONE ? 0.0 : area(c, i, j, sides[0]);
-    const double right = sides[1] == NONE ? 0.0 : area(c, j, i, sides[1]);
-    if (left == 0.0 && right == 0.0) {
-        return;
-    }
-    c->order[0] = left >= right ? i : j;
-    c->order[1] = left >= right ? j : i;
-    c->order[2] = left >= right ? sides[0] : sides[1];
+    const int is_left = on_right == NONE || (on_left != NONE && left >= right);
+    c->order[0] = is_left ? i : j;
+    c->order[1] = is_left ? j : i;
+    c->order[2] = is_left ? on_left : on_right;
     c->chosen = 3;
     if (max >= 4) {
         choose_fourth(c);
@@ -785,14 +786,13 @@ static void improve(choice *c)
         for (uint32_t k = 0; k < c->chosen; k++) {
             const uint32_t before = c->order[k == 0 ? c->chosen - 1 : k - 1];
             const uint32_t after = c->order[k + 1 == c->chosen ? 0 : k + 1];
-            double best = area(c, before, c->order[k], after);
-            for (uint32_t i = 0; i < c->count && c->order[k] != c->pinned; i++) {
-                const double a = area(c, before, i, after);
-                if (a > best * BETTER) {
-                    best = a;
-                    c->order[k] = i;
-                    changed = 1;
-                }
+            double best = area(c, after, before, c->order[k]);
+            const uint32_t found = c->order[k] == c->pinned
+                                       ? NONE
+                                       : farthest_left(c, after, before, &best);
+            if (found != NONE) {
+                c->order[k] = found;
+                changed = 1;
             }
         }
     }
@@ -834,7 +834,7 @@ static uint32_t sift(double margin, double reach, uint32_t count, pair_point *po
     uint32_t kept = 0;
     for (uint32_t i = 0; i < count; i++) {
         int known = !(points[i].distance <= margin);
-        for (uint32_t k = 0; k < kept && !known; k++) {
+        for (uint32_t k = 0; k < kept && reach > 0.0 && !known; k++) {
             known = is_same(points[i].middle, points[k].middle, reach);
         }
         if (!known) {
@@ -849,12 +849,16 @@ static uint32_t sift(double margin, double reach, uint32_t count, pair_point *po
 
 static void write_point(const pair_query *query, const pair_point *from, tribo_point *to)
 {
+    double *near = query->turned ? to->arm_b : to->arm_a;
+    double *far = query->turned ? to->arm_a : to->arm_b;
+    const uint64_t first = query->turned ? from->b : from->a;
+    const uint64_t second = query->turned ? from->a : from->b;
     for (int i = 0; i < 3; i++) {
-        to->arm_a[i] = from->middle[i];
-        to->arm_b[i] = from->middle[i] - query->offset[i];
+        near[i] = from->middle[i];
+        far[i] = from->middle[i] - query->offset[i];
     }
     to->distance = from->distance;
-    to->id = (uint64_t)from->a << 32 | from->b;
+    to->id = first << 32 | second;
 }
 
 void clip_nothing(tribo_manifold *out)
@@ -865,19 +869,25 @@ void clip_nothing(tribo_manifold *out)
 void clip_finish(const pair_query *query, const double normal[3], double size, uint32_t count,
                  pair_point *points, tribo_manifold *out)
 {
-    choice c;
-    clip_nothing(out);
-    memcpy(out->normal, normal, sizeof out->normal);
     const double slack =
         PAIR_ROUNDING * (size + extent(points[0].middle) + extent(query->offset));
-    c.count = sift(query->margin + slack, MERGE * size, count, points);
-    if (c.count <= query->max_points) {
-        out->count = c.count;
-        for (uint32_t i = 0; i < c.count; i++) {
+    const uint32_t kept = sift(query->margin + slack, MERGE * size, count, points);
+    clip_nothing(out);
+    if (kept == 0) {
+        return;
+    }
+    for (int i = 0; i < 3; i++) {
+        out->normal[i] = query->turned ? 0.0 - normal[i] : normal[i];
+    }
+    if (kept <= query->max_points) {
+        out->count = kept;
+        for (uint32_t i = 0; i < kept; i++) {
             write_point(query, &points[i], &out->points[i]);
         }
         return;
     }
+    choice c;
+    c.count = kept;
     choose_points(normal, slack, query->max_points, points, &c);
     out->count = c.chosen;
     for (uint32_t i = 0; i < c.chosen; i++) {

@@ -353,7 +353,7 @@ static void capsule_plane(const pair_query *query, const plane *p, tribo_manifol
         }
         above_plane(p, at, pair_feature(0, PAIR_VERTEX, k), &points[k]);
     }
-    clip_finish(query, p->normal, query->a->size[1], 2, points, out);
+    clip_finish(query, p->normal, 0.0, 2, points, out);
 }
 
 /* Half-edges of a box, world axes. */
@@ -415,7 +415,7 @@ static void box_plane(const pair_query *query, const plane *p, tribo_manifold *o
         above_plane(p, corners + 3 * c,
                     pair_feature(box_face_number(axis, sign), PAIR_VERTEX, c), &points[c]);
     }
-    clip_finish(query, p->normal, reach, 4, points, out);
+    clip_finish(query, p->normal, 0.0, 4, points, out);
 }
 
 /* Any convex shape: the corners of its lowest face, and its lowest point if that is none of them. */

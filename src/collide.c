@@ -121,26 +121,7 @@ static void turn(const pair_query *from, pair_query *to)
     }
     to->margin = from->margin;
     to->max_points = from->max_points;
-}
-
-/* The manifold as seen by B. */
-static void mirror(tribo_manifold *m)
-{
-    const uint32_t child = m->child_a;
-    m->child_a = m->child_b;
-    m->child_b = child;
-    for (int i = 0; i < 3; i++) {
-        m->normal[i] = 0.0 - m->normal[i];
-    }
-    for (uint32_t k = 0; k < m->count; k++) {
-        tribo_point *p = &m->points[k];
-        for (int i = 0; i < 3; i++) {
-            const double arm = p->arm_a[i];
-            p->arm_a[i] = p->arm_b[i];
-            p->arm_b[i] = arm;
-        }
-        p->id = p->id << 32 | p->id >> 32;
-    }
+    to->turned = !from->turned;
 }
 
 static tribo_status general(const pair_query *query, tribo_manifold *out, tribo_collide_info *info)
@@ -177,27 +158,24 @@ static tribo_status in_order(const pair_query *query, uint32_t method, tribo_man
 /* Lengths near the ends of the range of numbers overflow on the way. */
 static tribo_status check_manifold(const tribo_manifold *m)
 {
-    double probe = finite_probe(m->normal, 3);
+    double sum = m->normal[0] + m->normal[1] + m->normal[2];
     for (uint32_t k = 0; k < m->count; k++) {
-        probe += finite_probe(m->points[k].arm_a, 7);
+        const tribo_point *p = &m->points[k];
+        sum += (p->arm_a[0] + p->arm_a[1] + p->arm_a[2]) +
+               (p->arm_b[0] + p->arm_b[1] + p->arm_b[2]) + p->distance;
     }
-    return probe == 0.0 ? TRIBO_OK : TRIBO_ERROR_RANGE;
+    return sum - sum == 0.0 ? TRIBO_OK : TRIBO_ERROR_RANGE;
 }
 
 static tribo_status touch(const pair_query *query, uint32_t method, tribo_manifold *out,
                           tribo_collide_info *info)
 {
-    tribo_status status;
-    if (is_turned(query)) {
-        pair_query turned;
+    pair_query turned;
+    const int is_other = is_turned(query);
+    if (is_other) {
         turn(query, &turned);
-        status = in_order(&turned, method, out, info);
-        if (status == TRIBO_OK) {
-            mirror(out);
-        }
-    } else {
-        status = in_order(query, method, out, info);
     }
+    const tribo_status status = in_order(is_other ? &turned : query, method, out, info);
     return status == TRIBO_OK ? check_manifold(out) : status;
 }
 
@@ -219,6 +197,7 @@ static tribo_status take_query(const tribo_shape *shape_a, const tribo_pose *pos
     tribo_vec3_subtract(pose_b->position, pose_a->position, query->offset);
     query->margin = options->margin;
     query->max_points = options->max_points;
+    query->turned = 0;
     return all_finite(query->offset, 3) ? TRIBO_OK : TRIBO_ERROR_RANGE;
 }
 
@@ -290,14 +269,19 @@ static void take_parts(const pair_query *query, const part *a, const part *b, pa
     tribo_vec3_add(query->offset, apart, out->offset);
     out->margin = query->margin;
     out->max_points = query->max_points;
+    out->turned = query->turned;
 }
 
-/* From the positions of the parts to those of the shapes. */
-static void shift_arms(const part *a, const part *b, tribo_manifold *m)
+/* A manifold of two parts into the caller's order, arms from the positions of the shapes. */
+static void place_manifold(const part *a, const part *b, uint32_t turned, tribo_manifold *m)
 {
+    const part *first = turned ? b : a;
+    const part *second = turned ? a : b;
+    m->child_a = first->index;
+    m->child_b = second->index;
     for (uint32_t k = 0; k < m->count; k++) {
-        tribo_vec3_add(m->points[k].arm_a, a->position, m->points[k].arm_a);
-        tribo_vec3_add(m->points[k].arm_b, b->position, m->points[k].arm_b);
+        tribo_vec3_add(m->points[k].arm_a, first->position, m->points[k].arm_a);
+        tribo_vec3_add(m->points[k].arm_b, second->position, m->points[k].arm_b);
     }
 }
 
@@ -536,9 +520,9 @@ static int bounds_in_mesh(const pair_query *q, double low[3], double high[3])
     return 1;
 }
 
-/* Part A of a shape on the mesh B; `turned` if the caller has them the other way round. */
-static tribo_status touch_mesh(const pair_query *whole, const part *a, const part *b, int turned,
-                               sink *to, tribo_collide_info *info)
+/* Part A of a shape on the mesh B. */
+static tribo_status touch_mesh(const pair_query *whole, const part *a, const part *b, sink *to,
+                               tribo_collide_info *info)
 {
     pair_query q;
     mesh_cursor cursor;
@@ -557,6 +541,7 @@ static tribo_status touch_mesh(const pair_query *whole, const part *a, const par
         part corner = *b;
         tribo_manifold m;
         take_triangle(&found, &t);
+        corner.index = found.index;
         tribo_mat3_apply(b->r, found.vertices, corner.position);
         tribo_vec3_add(offset, corner.position, q.offset);
         q.b = &t.shape;
@@ -564,13 +549,8 @@ static tribo_status touch_mesh(const pair_query *whole, const part *a, const par
         if (status != TRIBO_OK) {
             return status;
         }
-        m.child_a = a->index;
-        m.child_b = found.index;
-        shift_arms(a, &corner, &m);
-        if (turned) {
-            mirror(&m);
-        }
         if (m.count > 0) {
+            place_manifold(a, &corner, whole->turned, &m);
             keep(to, &m);
         }
     }
@@ -592,12 +572,12 @@ static tribo_status touch_parts(const pair_query *whole, uint32_t method, const 
                                 const part *b, sink *to, tribo_collide_info *info)
 {
     if (b->shape->type == TRIBO_SHAPE_MESH) {
-        return touch_mesh(whole, a, b, 0, to, info);
+        return touch_mesh(whole, a, b, to, info);
     }
     if (a->shape->type == TRIBO_SHAPE_MESH) {
         pair_query turned;
         turn(whole, &turned);
-        return touch_mesh(&turned, b, a, 1, to, info);
+        return touch_mesh(&turned, b, a, to, info);
     }
     pair_query q;
     tribo_manifold m;
@@ -607,9 +587,7 @@ static tribo_status touch_parts(const pair_query *whole, uint32_t method, const 
     }
     const tribo_status status = touch(&q, method, &m, info);
     if (status == TRIBO_OK && m.count > 0) {
-        m.child_a = a->index;
-        m.child_b = b->index;
-        shift_arms(a, b, &m);
+        place_manifold(a, b, 0, &m);
         keep(to, &m);
     }
     return status;

@@ -13,6 +13,7 @@ typedef struct pair_query {
     double offset[3]; /* position of B minus position of A */
     double margin;
     uint32_t max_points;
+    uint32_t turned; /* what is A here is the caller's B: manifolds are written the other way round */
 } pair_query;
 
 /* Where two convex shapes are nearest, or deepest. */
