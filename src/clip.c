@@ -15,7 +15,7 @@
 #define CLIP_ROUNDING 1e-12 /* of the lengths: on the line is inside */
 #define PARALLEL 1e-3      /* sine of the angle up to which two edges are one line of contact */
 #define MERGE 1e-9         /* of the size: points that are one */
-#define BETTER 1.000001    /* ratio of areas, or squares, that is worth another choice of points */
+#define BETTER 1.000001    /* ratio of areas, or of squares, that is worth another choice */
 #define RIDGE 1e-6         /* of the size: up to so much above the deepest point two ridges still touch */
 
 /* ---- faces ------------------------------------------------------------------------------------ */
@@ -386,7 +386,8 @@ static void between_edges(const double frame[9], const polygon p[2], double s, d
 }
 
 /* Edges of two rounded shapes: one point where they cross, the ends of the overlap where they are parallel. */
-static uint32_t touch_at_edges(const double frame[9], const polygon p[2], pair_point points[2])
+static uint32_t touch_at_edges(const double frame[9], const polygon p[2], double distance,
+                               pair_point points[2])
 {
     const double au = p[0].u[1] - p[0].u[0];
     const double av = p[0].v[1] - p[0].v[0];
@@ -400,10 +401,12 @@ static uint32_t touch_at_edges(const double frame[9], const polygon p[2], pair_p
     if (turn * turn > PARALLEL * PARALLEL * (aa * bb)) {
         between_edges(frame, p, held((du * bv - dv * bu) / turn), held((du * av - dv * au) / turn),
                       &points[0]);
+        points[0].distance = distance;
         return 1;
     }
     if (!(aa > 0.0 && bb > 0.0)) {
         between_edges(frame, p, 0.5, 0.5, &points[0]);
+        points[0].distance = distance;
         return 1;
     }
     const double s0 = (du * au + dv * av) / aa;
@@ -547,7 +550,7 @@ static uint32_t touch(const pair_query *query, const pair_face faces[2], const p
     flatten(&faces[1], frame, &p[1]);
     *size = lesser(p[0].size, p[1].size);
     if (faces[0].count == 2 && faces[1].count == 2) {
-        return touch_at_edges(frame, p, points);
+        return touch_at_edges(frame, p, axis->distance, points);
     }
     const int reference = choose_reference(faces, axis->normal, &cosine);
     return cosine >= ALIGNED ? touch_at_faces(query, faces, p, frame, reference, axis, points)
@@ -645,181 +648,142 @@ void clip_onto(const pair_query *query, const pair_face *face, tribo_manifold *o
 
 /* ---- choice of points ------------------------------------------------------------------------------- */
 
-enum { NONE = PAIR_MAX_POINTS };
-
-typedef struct choice {
+/* Points in order around their area, and what each adds to it. */
+typedef struct ring {
     uint32_t count;
-    uint32_t pinned; /* this one stays; NONE: no point is deeper than all others */
-    uint32_t chosen;
-    uint32_t order[TRIBO_MAX_POINTS]; /* the chosen ones, counter-clockwise */
+    uint32_t order[PAIR_MAX_POINTS];
+    double ear[PAIR_MAX_POINTS]; /* of the point at this place of the order: twice the triangle's area */
     double u[PAIR_MAX_POINTS];
     double v[PAIR_MAX_POINTS];
-} choice;
+} ring;
 
 /* Twice the signed area of a triangle. */
-static double area(const choice *c, uint32_t i, uint32_t j, uint32_t k)
+static double area(const ring *r, uint32_t i, uint32_t j, uint32_t k)
 {
-    return (c->u[j] - c->u[i]) * (c->v[k] - c->v[i]) - (c->v[j] - c->v[i]) * (c->u[k] - c->u[i]);
+    return (r->u[j] - r->u[i]) * (r->v[k] - r->v[i]) - (r->v[j] - r->v[i]) * (r->u[k] - r->u[i]);
 }
 
-/* The point that goes first: the deepest, or of all that are as deep the farthest from the middle. */
-static uint32_t choose_first(choice *c, const pair_point *points, double slack)
+static uint32_t before(const ring *r, uint32_t place)
 {
-    double middle[2] = {0.0, 0.0};
-    double least = points[0].distance;
-    double most = points[0].distance;
-    for (uint32_t i = 0; i < c->count; i++) {
-        middle[0] += c->u[i];
-        middle[1] += c->v[i];
-        least = lesser(least, points[i].distance);
-        most = greater(most, points[i].distance);
+    return place == 0 ? r->count - 1 : place - 1;
+}
+
+static uint32_t after(const ring *r, uint32_t place)
+{
+    return place + 1 == r->count ? 0 : place + 1;
+}
+
+static void measure_ear(ring *r, uint32_t place)
+{
+    r->ear[place] = absolute(
+        area(r, r->order[before(r, place)], r->order[place], r->order[after(r, place)]));
+}
+
+/* Put point i, which is in no order, where it lies farthest off a side. */
+static void insert_point(ring *r, uint32_t i)
+{
+    double total = 0.0;
+    for (uint32_t k = 2; k < r->count; k++) {
+        total += area(r, r->order[0], r->order[k - 1], r->order[k]);
     }
-    middle[0] /= (double)c->count;
-    middle[1] /= (double)c->count;
-    uint32_t first = 0;
+    const double sign = total < 0.0 ? 1.0 : -1.0;
+    double most = -(double)INFINITY;
+    uint32_t place = 0;
+    for (uint32_t k = 0; k < r->count; k++) {
+        const double gain = sign * area(r, r->order[k], r->order[after(r, k)], i);
+        if (gain > most) {
+            most = gain;
+            place = k + 1;
+        }
+    }
+    for (uint32_t k = r->count; k > place; k--) {
+        r->order[k] = r->order[k - 1];
+    }
+    r->order[place] = i;
+    r->count++;
+}
+
+static void take_ring(const double normal[3], uint32_t count, const pair_point *points, ring *r)
+{
+    double frame[9];
+    const uint32_t last = count - 1;
+    const uint32_t kinds = (points[last].a | points[last].b) >> 6 & 3u;
+    frame_of(normal, frame);
+    for (uint32_t i = 0; i < count; i++) {
+        r->u[i] = tribo_vec3_dot(frame + 3, points[i].middle);
+        r->v[i] = tribo_vec3_dot(frame + 6, points[i].middle);
+        r->order[i] = i;
+    }
+    /* Corners come in order; a support point stands behind them. */
+    r->count = kinds == PAIR_CURVED ? last : count;
+    if (r->count < count) {
+        insert_point(r, last);
+    }
+}
+
+static void remove_place(ring *r, uint32_t place)
+{
+    r->count--;
+    for (uint32_t k = place; k < r->count; k++) {
+        r->order[k] = r->order[k + 1];
+        r->ear[k] = r->ear[k + 1];
+    }
+    const uint32_t next = place == r->count ? 0 : place;
+    measure_ear(r, next);
+    measure_ear(r, before(r, next));
+}
+
+/* Take away what adds least to the area until `max` points are left. The deepest one stays, unless all are as
+ * deep: then it says nothing. */
+static void thin_ring(ring *r, uint32_t max, uint32_t deepest)
+{
+    for (uint32_t k = 0; k < r->count; k++) {
+        measure_ear(r, k);
+    }
+    while (r->count > max) {
+        uint32_t least = r->order[0] == deepest ? 1 : 0;
+        for (uint32_t k = least + 1; k < r->count; k++) {
+            if (r->ear[k] * BETTER < r->ear[least] && r->order[k] != deepest) {
+                least = k;
+            }
+        }
+        remove_place(r, least);
+    }
+}
+
+/* The deepest point and the one that is farthest from it. */
+static void choose_two(ring *r, uint32_t max, uint32_t deepest)
+{
     double best = -1.0;
-    for (uint32_t i = 0; i < c->count; i++) {
-        const double u = c->u[i] - middle[0];
-        const double v = c->v[i] - middle[1];
-        if (points[i].distance <= least + slack && u * u + v * v > best * BETTER) {
-            first = i;
-            best = u * u + v * v;
-        }
-    }
-    c->pinned = most <= least + slack ? NONE : first;
-    return first;
-}
-
-static uint32_t farthest_from(const choice *c, uint32_t first)
-{
-    uint32_t farthest = first == 0 ? 1 : 0;
-    double best = 0.0;
-    for (uint32_t i = 0; i < c->count; i++) {
-        const double u = c->u[i] - c->u[first];
-        const double v = c->v[i] - c->v[first];
+    uint32_t farthest = deepest;
+    for (uint32_t k = 0; k < r->count; k++) {
+        const double u = r->u[k] - r->u[deepest];
+        const double v = r->v[k] - r->v[deepest];
         if (u * u + v * v > best * BETTER) {
-            farthest = i;
             best = u * u + v * v;
-        }
-    }
-    return farthest;
-}
-
-/* The point farthest to the left of the line from i to j, by more area than `least`; NONE if there is none. */
-static uint32_t farthest_left(const choice *c, uint32_t i, uint32_t j, double *least)
-{
-    const double u0 = c->u[i];
-    const double v0 = c->v[i];
-    const double u = c->u[j] - u0;
-    const double v = c->v[j] - v0;
-    double limit = *least * BETTER;
-    uint32_t farthest = NONE;
-    for (uint32_t k = 0; k < c->count; k++) {
-        const double a = u * (c->v[k] - v0) - v * (c->u[k] - u0);
-        if (a > limit) {
-            *least = a;
-            limit = a * BETTER;
             farthest = k;
         }
     }
-    return farthest;
-}
-
-/* All on one side of the first two: what adds most area to the triangle, between the ends of its side. */
-static void choose_fourth(choice *c)
-{
-    double best = 0.0;
-    uint32_t fourth = NONE;
-    uint32_t side = 0;
-    for (uint32_t k = 0; k < 3; k++) {
-        const uint32_t found = farthest_left(c, c->order[k == 2 ? 0 : k + 1], c->order[k], &best);
-        if (found != NONE) {
-            fourth = found;
-            side = k;
-        }
-    }
-    if (fourth != NONE) {
-        for (uint32_t k = 3; k > side + 1; k--) {
-            c->order[k] = c->order[k - 1];
-        }
-        c->order[side + 1] = fourth;
-        c->chosen = 4;
-    }
-}
-
-/* What spans an area with the first two, on both sides of the line between them. What lies on it adds none. */
-static void choose_area(choice *c, uint32_t max)
-{
-    const uint32_t i = c->order[0];
-    const uint32_t j = c->order[1];
-    const double u = c->u[j] - c->u[i];
-    const double v = c->v[j] - c->v[i];
-    double left = MERGE * (u * u + v * v);
-    double right = left;
-    const uint32_t on_left = farthest_left(c, i, j, &left);
-    const uint32_t on_right = farthest_left(c, j, i, &right);
-    if (on_left == NONE && on_right == NONE) {
-        return;
-    }
-    if (max >= 4 && on_left != NONE && on_right != NONE) {
-        const uint32_t order[4] = {i, on_right, j, on_left};
-        memcpy(c->order, order, sizeof order);
-        c->chosen = 4;
-        return;
-    }
-    const int is_left = on_right == NONE || (on_left != NONE && left >= right);
-    c->order[0] = is_left ? i : j;
-    c->order[1] = is_left ? j : i;
-    c->order[2] = is_left ? on_left : on_right;
-    c->chosen = 3;
-    if (max >= 4) {
-        choose_fourth(c);
-    }
-}
-
-/* Move one point after the other to where it gives more area between its neighbours: these two add none, and
- * the point across lies on the other side of them. */
-static void improve(choice *c)
-{
-    for (int pass = 0, changed = 1; pass < 2 && changed; pass++) {
-        changed = 0;
-        for (uint32_t k = 0; k < c->chosen; k++) {
-            const uint32_t before = c->order[k == 0 ? c->chosen - 1 : k - 1];
-            const uint32_t after = c->order[k + 1 == c->chosen ? 0 : k + 1];
-            double best = area(c, after, before, c->order[k]);
-            const uint32_t found = c->order[k] == c->pinned
-                                       ? NONE
-                                       : farthest_left(c, after, before, &best);
-            if (found != NONE) {
-                c->order[k] = found;
-                changed = 1;
-            }
-        }
-    }
+    r->order[0] = deepest;
+    r->order[1] = farthest;
+    r->count = max;
 }
 
 /* Choose `max` of the points: the deepest, and those that keep the largest area. */
-static void choose_points(const double normal[3], double slack, uint32_t max,
-                          const pair_point *points, choice *c)
+static void choose_points(const double normal[3], double slack, uint32_t max, uint32_t count,
+                          const pair_point *points, ring *r)
 {
-    double frame[9];
-    frame_of(normal, frame);
-    for (uint32_t i = 0; i < c->count; i++) {
-        c->u[i] = tribo_vec3_dot(frame + 3, points[i].middle);
-        c->v[i] = tribo_vec3_dot(frame + 6, points[i].middle);
+    const uint32_t deepest = deepest_of(points, count);
+    take_ring(normal, count, points, r);
+    if (max < 3) {
+        choose_two(r, max, deepest);
+        return;
     }
-    c->order[0] = choose_first(c, points, slack);
-    c->chosen = 1;
-    if (max >= 2) {
-        c->order[1] = farthest_from(c, c->order[0]);
-        c->chosen = 2;
+    double most = points[0].distance;
+    for (uint32_t i = 1; i < count; i++) {
+        most = greater(most, points[i].distance);
     }
-    if (max >= 3) {
-        choose_area(c, max);
-    }
-    if (c->chosen >= 3) {
-        improve(c);
-    }
+    thin_ring(r, max, most > points[deepest].distance + slack ? deepest : PAIR_MAX_POINTS);
 }
 
 static int is_same(const double a[3], const double b[3], double reach)
@@ -886,11 +850,10 @@ void clip_finish(const pair_query *query, const double normal[3], double size, u
         }
         return;
     }
-    choice c;
-    c.count = kept;
-    choose_points(normal, slack, query->max_points, points, &c);
-    out->count = c.chosen;
-    for (uint32_t i = 0; i < c.chosen; i++) {
-        write_point(query, &points[c.order[i]], &out->points[i]);
+    ring r;
+    choose_points(normal, slack, query->max_points, kept, points, &r);
+    out->count = r.count;
+    for (uint32_t i = 0; i < r.count; i++) {
+        write_point(query, &points[r.order[i]], &out->points[i]);
     }
 }

@@ -9,7 +9,7 @@
 
 #define UNIT_TOLERANCE 1e-6  /* of quaternions, which are used as if normalised */
 #define BOUNDS_SLACK 1e-12   /* relative growth of bounds, so that rounding loses no pair */
-#define FLAT 1e-9            /* sine of the angle below which a normal is the triangle's own */
+#define FLAT 1e-5            /* sine of the angle below which a normal is the triangle's own */
 
 enum { FEW = 8 }; /* manifolds that are kept on the stack until all is known to be well */
 
@@ -417,20 +417,21 @@ static void sphere_axis(const pair_query *q, const pair_face *face, pair_axis *a
     axis->distance = length - q->a->size[0];
 }
 
-/* Whether a normal leans over an edge that bodies may touch, not over one inside of the surface. */
+/* Whether a normal leans over edges that bodies may touch, and over no other: what is nearest beyond an edge
+ * inside of the surface belongs to the neighbour. */
 static int leans_over_active(const pair_face *face, uint32_t flags, const double normal[3])
 {
-    double most = FLAT;
     int active = 0;
     for (int k = 0; k < 3; k++) {
         double edge[3];
         double out[3];
         tribo_vec3_subtract(face->points + 3 * ((k + 1) % 3), face->points + 3 * k, edge);
         tribo_vec3_cross(edge, face->normal, out);
-        const double lean = tribo_vec3_dot(out, normal) / tribo_vec3_norm(edge);
-        if (lean > most) {
-            most = lean;
-            active = (flags & MESH_ACTIVE(k)) != 0;
+        if (tribo_vec3_dot(out, normal) > FLAT * tribo_vec3_norm(edge)) {
+            if (!(flags & MESH_ACTIVE(k))) {
+                return 0;
+            }
+            active = 1;
         }
     }
     return active;
@@ -460,6 +461,38 @@ static void place_triangle(const pair_query *q, const mesh_triangle *from, const
     }
 }
 
+/* Whether the lowest point of A is over the triangle and no deeper than A is thick. Then the triangle holds it,
+ * even if what is left of A passes beside the triangle: a tip that has sunk in through a neighbour. */
+static int holds_lowest(const pair_query *q, const pair_face *face)
+{
+    const double down[3] = {0.0 - face->normal[0], 0.0 - face->normal[1], 0.0 - face->normal[2]};
+    double local[3];
+    double lowest[3];
+    double center[3];
+    double inner;
+    double outer;
+    tribo_mat3_apply_transposed(q->ra, down, local);
+    if (!shape_support(q->a, local, lowest)) {
+        return 0;
+    }
+    tribo_mat3_apply(q->ra, lowest, lowest);
+    shape_core(q->a, center, &inner, &outer);
+    int over = 1;
+    for (int k = 0; k < 3; k++) {
+        double edge[3];
+        double out[3];
+        double arm[3];
+        tribo_vec3_subtract(face->points + 3 * ((k + 1) % 3), face->points + 3 * k, edge);
+        tribo_vec3_cross(edge, face->normal, out);
+        tribo_vec3_subtract(lowest, face->points + 3 * k, arm);
+        over = over && tribo_vec3_dot(out, arm) <= 0.0;
+    }
+    double arm[3];
+    tribo_vec3_subtract(lowest, face->points, arm);
+    const double distance = tribo_vec3_dot(arm, face->normal);
+    return over && distance <= q->margin && distance >= -inner;
+}
+
 /* Axis of A and the triangle, by the sphere's closed form or libccd. */
 static tribo_status triangle_axis(const pair_query *q, const pair_face *face, pair_axis *axis,
                                   tribo_collide_info *info)
@@ -482,8 +515,17 @@ static tribo_status touch_triangle(const pair_query *q, const mesh_triangle *fro
     pair_axis axis;
     clip_nothing(out);
     place_triangle(q, from, t, &face);
+    if (is_behind(q, &face)) {
+        return TRIBO_OK;
+    }
+    if (holds_lowest(q, &face)) {
+        clip_onto(q, &face, out);
+        out->method = TRIBO_METHOD_CLOSED;
+        info->closed++;
+        return check_manifold(out);
+    }
     const tribo_status status = triangle_axis(q, &face, &axis, info);
-    if (status != TRIBO_OK || !(axis.distance <= q->margin) || is_behind(q, &face)) {
+    if (status != TRIBO_OK || !(axis.distance <= q->margin)) {
         return status;
     }
     if (tribo_vec3_dot(axis.normal, face.normal) > 0.0 &&
