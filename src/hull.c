@@ -75,7 +75,7 @@ static int starts_are_valid(const uint32_t *starts, uint32_t count, uint32_t tot
         return 0;
     }
     for (uint32_t i = 0; i < count; i++) {
-        if (starts[i + 1] > total || starts[i] > starts[i + 1] || starts[i + 1] - starts[i] < 3) {
+        if (starts[i] > starts[i + 1] || starts[i + 1] - starts[i] < 3) {
             return 0;
         }
     }

@@ -502,6 +502,9 @@ static void test_faces_told_by_the_user(void **state)
 
 /* ---- inner points ---------------------------------------------------------------------------- */
 
+static const double pyramid[15] = {-1.0, -1.0, 0.0, 1.0, -1.0, 0.0, 1.0, 1.0,
+                                   0.0,  -1.0, 1.0, 0.0, 0.0,  0.0, 3.0};
+
 static void assert_core(const tribo_shape *shape, uint64_t index)
 {
     problem_random random;
@@ -543,6 +546,16 @@ static void test_inner_and_outer_balls(void **state)
     assert_core(&convex, 6);
     assert_core(&hull, 7);
     free(block);
+    for (int i = 0; i < 5; i++) { /* any of its faces may be the last */
+        double turned[15];
+        for (int k = 0; k < 15; k++) {
+            turned[k] = pyramid[(k + 3 * i) % 15];
+        }
+        block = build_hull(5, turned);
+        const tribo_shape peak = hull_shape(block);
+        assert_core(&peak, 8);
+        free(block);
+    }
 }
 
 /* ---- judging --------------------------------------------------------------------------------- */
@@ -680,6 +693,7 @@ static void test_bounds_of_halfspaces(void **state)
     const tribo_shape ground = {.type = TRIBO_SHAPE_HALFSPACE, .size = {0.0, 0.0, 1.0, 2.0}};
     const tribo_shape wall = {.type = TRIBO_SHAPE_HALFSPACE, .size = {-1.0, 0.0, 0.0, 2.0}};
     const tribo_shape slope = {.type = TRIBO_SHAPE_HALFSPACE, .size = {0.6, 0.0, 0.8, 2.0}};
+    const tribo_shape cliff = {.type = TRIBO_SHAPE_HALFSPACE, .size = {-0.6, 0.0, -0.8, 2.0}};
     const tribo_pose pose = {.position = {10.0, 20.0, 30.0}, .orientation = {1.0}};
     double low[3];
     double high[3];
@@ -689,6 +703,8 @@ static void test_bounds_of_halfspaces(void **state)
     assert_true(low[0] == 8.0 && high[0] == INFINITE && low[1] == -INFINITE);
     assert_int_equal(tribo_shape_bounds(&slope, &pose, low, high), TRIBO_OK);
     assert_true(low[2] == -INFINITE && high[2] == INFINITE && high[0] == INFINITE);
+    assert_int_equal(tribo_shape_bounds(&cliff, &pose, low, high), TRIBO_OK);
+    assert_true(low[2] == -INFINITE && high[2] == INFINITE && low[0] == -INFINITE);
 }
 
 static void test_bounds_of_compounds(void **state)
@@ -877,6 +893,14 @@ static void test_mass_of_hulls(void **state)
     const tribo_shape corner = hull_shape(block);
     m = mass_of(&corner, 1.0);
     assert_same_mass(&m, &simplex, 3.0);
+    free(block);
+    /* A pyramid of height 3 on a square of side 2: centre a quarter up, I_zz = m 8/20,
+     * I_xx = m (4/20 + 27/80). The mean of its vertices is another point. */
+    const mass tip = {4.0, {0.0, 0.0, 0.75}, {2.15, 0.0, 0.0, 0.0, 2.15, 0.0, 0.0, 0.0, 1.6}};
+    block = build_hull(5, pyramid);
+    const tribo_shape peak = hull_shape(block);
+    m = mass_of(&peak, 1.0);
+    assert_same_mass(&m, &tip, 3.0);
     free(block);
 }
 
@@ -1270,6 +1294,28 @@ static void test_hulls_of_flat_points(void **state)
     }
 }
 
+/* The limit is 1e-12 of the extent, to a factor of two. */
+static void test_how_thin_a_hull_may_be(void **state)
+{
+    (void)state;
+    const double zero[3] = {0.0, 0.0, 0.0};
+    for (int scale = -2; scale <= 2; scale++) {
+        const double size = pow(10.0, 15.0 * scale);
+        const double plate[3] = {size, 0.9 * size, 0.4e-12 * size};
+        const double needle[3] = {size, 0.4e-12 * size, 0.3e-12 * size};
+        const double thin[3] = {size, 0.9 * size, 2.1e-12 * size};
+        double points[24];
+        box_points(plate, zero, points);
+        assert_degenerate(8, points);
+        box_points(needle, zero, points);
+        assert_degenerate(8, points);
+        box_points(thin, zero, points);
+        void *block = build_hull(8, points);
+        assert_counts(block, 8, 6);
+        free(block);
+    }
+}
+
 static void test_hull_statuses(void **state)
 {
     (void)state;
@@ -1635,6 +1681,14 @@ static void test_inner_edges(void **state)
     mesh = build_mesh(4, blade, 2, sheet); /* folded back on itself */
     assert_int_equal(active_edges(mesh), 6);
     free(mesh);
+    for (int side = -1; side <= 1; side += 2) { /* wound against each other */
+        const double bent[12] = {0.0, 0.0, 0.0, 1.0, 0.0,  0.0,
+                                 0.3, 1.0, 0.0, 0.3, -1.0, (double)side};
+        static const uint32_t crossed[6] = {0, 1, 2, 0, 1, 3};
+        mesh = build_mesh(4, bent, 2, crossed);
+        assert_int_equal(active_edges(mesh), 6);
+        free(mesh);
+    }
 }
 
 static void test_mesh_leaves_degenerate_triangles_out(void **state)
@@ -1714,6 +1768,14 @@ static void test_broken_mesh_blocks(void **state)
         }
         bytes[i] = before;
     }
+    mesh_node *nodes = (mesh_node *)(void *)(bytes + mesh->nodes);
+    for (uint32_t i = 0; i < mesh->node_count; i++) {
+        const uint32_t before = nodes[i].skip;
+        nodes[i].skip = i; /* a walk without end */
+        assert_false(mesh_check(mesh, size));
+        nodes[i].skip = before;
+    }
+    assert_true(mesh_check(mesh, size));
     free(mesh);
 }
 
@@ -1752,6 +1814,7 @@ int main(void)
         TEST(test_large_faces_are_thinned),
         TEST(test_hulls_scale_to_the_bit),
         TEST(test_hulls_of_flat_points),
+        TEST(test_how_thin_a_hull_may_be),
         TEST(test_hull_statuses),
         TEST(test_hulls_of_extreme_sizes),
         TEST(test_blocks_mean_the_same_elsewhere),
