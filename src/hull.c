@@ -532,10 +532,15 @@ static void copy_faces(qhT *qh, faces *out)
  * jump to. */
 static int read_faces(qhT *qh, faces *out)
 {
-    const int code = setjmp(qh->errexit);
-    if (code != 0) {
+    switch (setjmp(qh->errexit)) {
+    case 0:
+        break;
+    case qh_ERRmem:
         qh->NOerrexit = True;
-        return code;
+        return qh_ERRmem;
+    default:
+        qh->NOerrexit = True;
+        return qh_ERRqhull;
     }
     qh->NOerrexit = False;
     const int allocated = allocate_faces(qh, out);

