@@ -813,21 +813,38 @@ static uint32_t sift(double margin, double reach, uint32_t count, pair_point *po
 
 static void write_point(const pair_query *query, const pair_point *from, tribo_point *to)
 {
-    double *near = query->turned ? to->arm_b : to->arm_a;
-    double *far = query->turned ? to->arm_a : to->arm_b;
-    const uint64_t first = query->turned ? from->b : from->a;
-    const uint64_t second = query->turned ? from->a : from->b;
-    for (int i = 0; i < 3; i++) {
-        near[i] = from->middle[i];
-        far[i] = from->middle[i] - query->offset[i];
-    }
+    const double *middle = from->middle;
+    const double *offset = query->offset;
+    const double other[3] = {middle[0] - offset[0], middle[1] - offset[1], middle[2] - offset[2]};
+    memcpy(query->turned ? to->arm_b : to->arm_a, middle, sizeof to->arm_a);
+    memcpy(query->turned ? to->arm_a : to->arm_b, other, sizeof to->arm_b);
     to->distance = from->distance;
-    to->id = first << 32 | second;
+    to->id = query->turned ? (uint64_t)from->b << 32 | from->a : (uint64_t)from->a << 32 | from->b;
 }
 
 void clip_nothing(tribo_manifold *out)
 {
     memset(out, 0, offsetof(tribo_manifold, points));
+}
+
+static void write_head(const pair_query *query, const double normal[3], uint32_t count,
+                       tribo_manifold *out)
+{
+    const double sign = query->turned ? -1.0 : 1.0;
+    clip_nothing(out);
+    out->count = count;
+    out->normal[0] = 0.0 + sign * normal[0];
+    out->normal[1] = 0.0 + sign * normal[1];
+    out->normal[2] = 0.0 + sign * normal[2];
+}
+
+void clip_write(const pair_query *query, const double normal[3], uint32_t count,
+                const pair_point *points, tribo_manifold *out)
+{
+    write_head(query, normal, count, out);
+    for (uint32_t i = 0; i < count; i++) {
+        write_point(query, &points[i], &out->points[i]);
+    }
 }
 
 void clip_finish(const pair_query *query, const double normal[3], double size, uint32_t count,
@@ -836,23 +853,17 @@ void clip_finish(const pair_query *query, const double normal[3], double size, u
     const double slack =
         PAIR_ROUNDING * (size + extent(points[0].middle) + extent(query->offset));
     const uint32_t kept = sift(query->margin + slack, MERGE * size, count, points);
-    clip_nothing(out);
     if (kept == 0) {
+        clip_nothing(out);
         return;
     }
-    for (int i = 0; i < 3; i++) {
-        out->normal[i] = query->turned ? 0.0 - normal[i] : normal[i];
-    }
     if (kept <= query->max_points) {
-        out->count = kept;
-        for (uint32_t i = 0; i < kept; i++) {
-            write_point(query, &points[i], &out->points[i]);
-        }
+        clip_write(query, normal, kept, points, out);
         return;
     }
     ring r;
     choose_points(normal, slack, query->max_points, kept, points, &r);
-    out->count = r.count;
+    write_head(query, normal, r.count, out);
     for (uint32_t i = 0; i < r.count; i++) {
         write_point(query, &points[r.order[i]], &out->points[i]);
     }

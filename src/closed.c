@@ -360,23 +360,24 @@ static void capsule_plane(const pair_query *query, const plane *p, tribo_manifol
 static void box_edges(const double r[9], const double half[3], double edges[3][3])
 {
     for (int i = 0; i < 3; i++) {
-        for (int k = 0; k < 3; k++) {
-            edges[i][k] = r[3 * k + i] * half[i];
-        }
+        edges[i][0] = r[i] * half[i];
+        edges[i][1] = r[3 + i] * half[i];
+        edges[i][2] = r[6 + i] * half[i];
     }
 }
 
 /* Corners of face (axis, sign), counter-clockwise seen from outside, from the centre. */
 static void box_corners(double edges[3][3], int axis, double sign, double corners[12])
 {
-    static const double left[4] = {1.0, -1.0, -1.0, 1.0};
-    static const double up[4] = {1.0, 1.0, -1.0, -1.0};
     const double *u = edges[axis == 2 ? 0 : axis + 1];
     const double *v = edges[axis == 0 ? 2 : axis - 1];
-    for (int c = 0; c < 4; c++) {
-        for (int k = 0; k < 3; k++) {
-            corners[3 * c + k] = sign * (edges[axis][k] + left[c] * u[k]) + up[c] * v[k];
-        }
+    for (int k = 0; k < 3; k++) {
+        const double right = sign * (edges[axis][k] + u[k]);
+        const double left = sign * (edges[axis][k] - u[k]);
+        corners[k] = right + v[k];
+        corners[3 + k] = left + v[k];
+        corners[6 + k] = left - v[k];
+        corners[9 + k] = right - v[k];
     }
 }
 
@@ -391,31 +392,65 @@ static uint32_t box_face_number(int axis, double sign)
     return 2u * (uint32_t)axis + (sign > 0.0 ? 0u : 1u);
 }
 
+/* Corner `at` of a box, so far from the plane. */
+static void box_point(const plane *p, const double at[3], double distance, uint32_t feature,
+                      pair_point *point)
+{
+    const double back = -0.5 * distance;
+    point->middle[0] = at[0] + back * p->normal[0];
+    point->middle[1] = at[1] + back * p->normal[1];
+    point->middle[2] = at[2] + back * p->normal[2];
+    point->distance = distance;
+    point->a = feature;
+    point->b = pair_feature(0, PAIR_FACE, 0);
+}
+
 /* The lowest face: it holds the deepest corner. */
 static void box_plane(const pair_query *query, const plane *p, tribo_manifold *out)
 {
     double edges[3][3];
     double corners[12];
     double down[3];
+    double way[3]; /* of the half-edges along the normal */
     pair_point points[4];
+    uint32_t count = 0;
     const double *half = query->a->size;
     tribo_mat3_apply_transposed(query->ra, p->normal, down);
-    const double reach = absolute(down[0]) * half[0] + absolute(down[1]) * half[1] +
-                         absolute(down[2]) * half[2];
-    const double slack = PAIR_ROUNDING * (reach + absolute(p->level));
-    if (0.0 - reach - p->level > query->margin + slack) {
+    way[0] = down[0] * half[0];
+    way[1] = down[1] * half[1];
+    way[2] = down[2] * half[2];
+    const double reach = extent(way);
+    const double limit = query->margin + PAIR_ROUNDING * (reach + absolute(p->level));
+    if (0.0 - reach - p->level > limit) {
         clip_nothing(out);
         return;
     }
     const int axis = greatest_of(down);
+    const int left = axis == 2 ? 0 : axis + 1;
+    const int up = axis == 0 ? 2 : axis - 1;
     const double sign = down[axis] > 0.0 ? -1.0 : 1.0;
+    const double level = sign * way[axis] - p->level;
+    const double distances[4] = {
+        level + sign * way[left] + way[up],
+        level - sign * way[left] + way[up],
+        level - sign * way[left] - way[up],
+        level + sign * way[left] - way[up],
+    };
     box_edges(query->ra, half, edges);
     box_corners(edges, axis, sign, corners);
     for (uint32_t c = 0; c < 4; c++) {
-        above_plane(p, corners + 3 * c,
-                    pair_feature(box_face_number(axis, sign), PAIR_VERTEX, c), &points[c]);
+        if (distances[c] <= limit) {
+            box_point(p, corners + 3 * c, distances[c],
+                      pair_feature(box_face_number(axis, sign), PAIR_VERTEX, c), &points[count++]);
+        }
     }
-    clip_finish(query, p->normal, 0.0, 4, points, out);
+    if (count == 0) {
+        clip_nothing(out);
+    } else if (count <= query->max_points) {
+        clip_write(query, p->normal, count, points, out);
+    } else {
+        clip_finish(query, p->normal, 0.0, count, points, out);
+    }
 }
 
 /* Any convex shape: the corners of its lowest face, and its lowest point if that is none of them. */

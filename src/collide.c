@@ -52,12 +52,14 @@ static tribo_status check_margin(double margin)
 
 static tribo_status check_pose(const tribo_pose *pose)
 {
+    const double *x = pose->position;
     const double *q = pose->orientation;
-    if (!(finite_probe(pose->position, 3) + finite_probe(q, 4) == 0.0)) {
-        return TRIBO_ERROR_NOT_FINITE;
-    }
     const double square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    return absolute(square - 1.0) <= 2.0 * UNIT_TOLERANCE ? TRIBO_OK : TRIBO_ERROR_ORIENTATION;
+    const double probe = (x[0] - x[0]) + (x[1] - x[1]) + (x[2] - x[2]);
+    if (probe == 0.0 && absolute(square - 1.0) <= 2.0 * UNIT_TOLERANCE) {
+        return TRIBO_OK;
+    }
+    return probe == 0.0 && all_finite(q, 4) ? TRIBO_ERROR_ORIENTATION : TRIBO_ERROR_NOT_FINITE;
 }
 
 static int is_convex(uint32_t type)
@@ -602,10 +604,7 @@ static tribo_status touch_mesh(const pair_query *whole, const part *a, const par
 /* Points beyond the count are not written. */
 static void copy_manifold(const tribo_manifold *from, tribo_manifold *to)
 {
-    memcpy(to, from, offsetof(tribo_manifold, points));
-    for (uint32_t k = 0; k < from->count; k++) {
-        to->points[k] = from->points[k];
-    }
+    memcpy(to, from, offsetof(tribo_manifold, points) + from->count * sizeof *from->points);
 }
 
 /* ---- all parts of a pair ---------------------------------------------------------------------------- */

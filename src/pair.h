@@ -90,6 +90,10 @@ int clip_distance(const pair_query *query, const double normal[3], double *dista
 /* clip.c: a manifold without points. */
 void clip_nothing(tribo_manifold *out);
 
+/* clip.c: manifold of these points, at most as many as the query asks for. */
+void clip_write(const pair_query *query, const double normal[3], uint32_t count,
+                const pair_point *points, tribo_manifold *out);
+
 /* clip.c: manifold of the points (at least one) within the margin, reduced to what the query asks for. Points
  * nearer to each other than 1e-9 of `size` are one. */
 void clip_finish(const pair_query *query, const double normal[3], double size, uint32_t count,
