@@ -563,30 +563,81 @@ static void judge_case(const box_case *c, const tribo_manifold *m, tally *t)
     }
 }
 
-static void boxes_against_separating_axes(void **state)
+static void try_classes(uint32_t method, int pairs, tally t[BOX_CLASSES])
 {
     static const double depths[6] = {0.2, 1e-2, 1e-3, 1e-4, 1e-6, 0.0};
-    (void)state;
+    tribo_collide_options options = with_margin(0.0);
+    options.method = method;
+    memset(t, 0, BOX_CLASSES * sizeof *t);
     print_message("# boxes: pairs, missed, wrong directions, excess of width, errors / size\n");
     for (int class = 0; class < BOX_CLASSES; class++) {
-        tally t = {0, 0, 0, 0, 0.0, 0.0, 0.0};
-        for (int i = 0; i < 14400; i++) {
+        for (int i = 0; i < pairs; i++) {
             box_case c;
             make_case(class, depths[i % 6], i % 12 < 6 ? 0.0 : 1e6, &c);
-            const tribo_manifold m = pair_of(&c.a, &c.pa, &c.b, &c.pb, NULL);
-            judge_case(&c, &m, &t);
+            const tribo_manifold m = pair_of(&c.a, &c.pa, &c.b, &c.pb, &options);
+            judge_case(&c, &m, &t[class]);
         }
         print_message("# %-18s %6ld %4ld %4ld %9.2e  distance %.1e outside %.1e\n",
-                      box_names[class], t.pairs, t.missed, t.wrong, t.excess, t.distance,
-                      t.outside);
-        assert_int_equal(t.missed, 0);
-        assert_int_equal(t.wrong, 0);
-        assert_int_equal(t.displaced, 0);
-        assert_true(t.distance <= 1e-14);
-        assert_true(t.outside <= 1e-12);
+                      box_names[class], t[class].pairs, t[class].missed, t[class].wrong,
+                      t[class].excess, t[class].distance, t[class].outside);
     }
 }
 
+static void boxes_against_separating_axes(void **state)
+{
+    tally t[BOX_CLASSES];
+    (void)state;
+    try_classes(TRIBO_METHOD_CLOSED, 14400, t);
+    for (int class = 0; class < BOX_CLASSES; class++) {
+        assert_int_equal(t[class].missed, 0);
+        assert_int_equal(t[class].wrong, 0);
+        assert_int_equal(t[class].displaced, 0);
+        assert_true(t[class].distance <= 1e-14);
+        assert_true(t[class].outside <= 1e-12);
+    }
+}
+
+/* The same by support functions and clipped support faces. */
+static void boxes_by_the_general_method(void **state)
+{
+    tally t[BOX_CLASSES];
+    (void)state;
+    try_classes(TRIBO_METHOD_GENERAL, 1200, t);
+    for (int class = 0; class < BOX_CLASSES; class++) {
+        assert_int_equal(t[class].missed, 0);
+        assert_int_equal(t[class].wrong, 0);
+        assert_int_equal(t[class].displaced, 0);
+        assert_true(t[class].outside <= 1e-9);
+    }
+}
+
+/* Plates 2000:1 that lie on each other, near enough to flat: the normal is that of a face to the bit, however large
+ * the lever of its noise would be. */
+static void plates_take_a_face_normal(void **state)
+{
+    tribo_collide_options options = with_margin(0.0);
+    (void)state;
+    options.method = TRIBO_METHOD_GENERAL;
+    for (int i = 0; i < 600; i++) {
+        static const double depths[3] = {0.2, 1e-4, 1e-6};
+        const tribo_shape plate = make(TRIBO_SHAPE_BOX, 1000.0, 1000.0, 0.5);
+        const double x = between(-1900.0, 1900.0);
+        const double y = between(-1900.0, 1900.0);
+        const tribo_pose pa = turned(at(x, y, 1.0 - depths[i % 3]), 0, 0, between(-3.0, 3.0));
+        const tribo_pose pb = at(0, 0, 0);
+        const tribo_manifold m = pair_of(&plate, &pa, &plate, &pb, &options);
+        if (m.count == 0) {
+            continue;
+        }
+        if (fabs(m.normal[2]) < 0.9) {
+            continue; /* corners that barely overlap part sideways */
+        }
+        assert_vector(m.normal, 0, 0, 1, 0);
+        for (uint32_t k = 0; k < m.count; k++) {
+            assert_near(m.points[k].distance, -depths[i % 3], 1e-12);
+        }
+    }
+}
 
 /* ---- separated boxes ------------------------------------------------------------------------------- */
 
@@ -1344,6 +1395,40 @@ static void nowhere(const void *user, const double direction[3], double point[3]
     point[0] = point[1] = point[2] = NOT_A_NUMBER;
 }
 
+/* Points of any two shapes lie in both, but for half of their depth. */
+static void points_lie_in_both_shapes(void **state)
+{
+    (void)state;
+    long points = 0;
+    double worst = 0.0;
+    build_hull();
+    for (int i = 0; i < 5000; i++) {
+        const tribo_shape s[2] = {kind_of(i % (KINDS - 1)), kind_of(i / (KINDS - 1) % (KINDS - 1))};
+        const tribo_pose p[2] = {random_pose(0.8), random_pose(0.8)};
+        const tribo_manifold m = pair_of(&s[0], &p[0], &s[1], &p[1], NULL);
+        for (uint32_t k = 0; k < m.count; k++) {
+            points++;
+            for (int side = 0; side < 2; side++) {
+                const double *arm = side == 0 ? m.points[k].arm_a : m.points[k].arm_b;
+                for (int c = 0; c < 100; c++) {
+                    double d[3];
+                    double local[3];
+                    double far[3];
+                    random_direction(d);
+                    tribo_quat_rotate_inverse(p[side].orientation, arm, local);
+                    assert_int_equal(tribo_shape_support(&s[side], d, far), TRIBO_OK);
+                    const double out = d[0] * (local[0] - far[0]) + d[1] * (local[1] - far[1]) +
+                                       d[2] * (local[2] - far[2]);
+                    worst = fmax(worst, out - 0.5 * fabs(m.points[k].distance));
+                }
+            }
+        }
+    }
+    print_message("# %ld points, %.1e outside of a shape at most\n", points, worst);
+    assert_true(points > 4000);
+    assert_true(worst <= 1e-9);
+}
+
 /* Counters, older structs, limits of points, many manifolds against little room. */
 static void options_and_counters(void **state)
 {
@@ -1490,6 +1575,8 @@ int main(void)
         cmocka_unit_test(capsules_by_hand),
         cmocka_unit_test(planes_by_hand),
         cmocka_unit_test(boxes_against_separating_axes),
+        cmocka_unit_test(boxes_by_the_general_method),
+        cmocka_unit_test(plates_take_a_face_normal),
         cmocka_unit_test(boxes_within_the_margin),
         cmocka_unit_test(points_keep_the_area),
         cmocka_unit_test(swap_offset_and_scale_change_no_bit),
@@ -1503,6 +1590,7 @@ int main(void)
         cmocka_unit_test(options_and_counters),
         cmocka_unit_test(batches_are_single_calls),
         cmocka_unit_test(general_method_agrees),
+        cmocka_unit_test(points_lie_in_both_shapes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
