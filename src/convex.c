@@ -51,8 +51,7 @@ typedef struct search {
     int fault;      /* a support is not finite or contradicts another */
 } search;
 
-/* ---- vectors
- * ---------------------------------------------------------------------------------- */
+/* ---- vectors --------------------------------------------------------------------------------- */
 
 static double dot(const double a[3], const double b[3])
 {
@@ -113,8 +112,7 @@ static void rotate_back(const double r[9], const double v[3], double sign, doubl
     }
 }
 
-/* ---- supports of M
- * ---------------------------------------------------------------------------- */
+/* ---- supports of M --------------------------------------------------------------------------- */
 
 /* Support point of one shape from its core, world axes, scaled; 0 if there is none. */
 static int part(const tribo_shape *shape, const double r[9], const double center[3], double scale,
@@ -148,8 +146,11 @@ static double support(search *s, const double n[3], double point[3])
         point[i] = s->offset[i] + (b[i] - a[i]);
     }
     const double width = dot(n, point);
-    if (!(width >= dot(n, s->offset) - s->rounding)) {
-        s->fault = 1; /* the core lies beyond the farthest point */
+    const double limit = (1.0 + 1e-6) * s->reach;
+    const int behind = !(dot(n, a) <= s->rounding) || !(dot(n, b) >= 0.0 - s->rounding);
+    subtract(b, a, b);
+    if (behind || !(dot(b, b) <= limit * limit)) {
+        s->fault = 1; /* the core lies beyond the farthest point, or that outside of the ball */
     }
     if (width < s->width) {
         s->width = width;
@@ -169,8 +170,7 @@ static int apart(const search *s)
     return s->width < -s->margin;
 }
 
-/* ---- libccd
- * ----------------------------------------------------------------------------------- */
+/* ---- libccd ---------------------------------------------------------------------------------- */
 
 /* M as libccd's first object. Once it has been asked too often, or the answer is known, it gets
  * a point so far behind that all of its loops take the set for passed and end. A direction that
@@ -230,8 +230,7 @@ static void ask_mpr(search *s)
     (void)ccdMPRPenetration(s, s, &ccd, &depth, &direction, &point);
 }
 
-/* ---- distance of the origin: GJK
- * ---------------------------------------------------------------- */
+/* ---- distance of the origin: GJK ------------------------------------------------------------- */
 
 typedef struct simplex {
     double p[4][3]; /* points of M */
@@ -384,14 +383,24 @@ static int holds(const simplex *x, const double p[3])
     return 0;
 }
 
+/* Whether a known point of M lies farther along n than the farthest: a user's support lies. */
+static int contradicts(const search *s, const simplex *x, const double n[3], double width)
+{
+    int lie = 0;
+    for (int i = 0; i < x->count; i++) {
+        lie |= !(dot(n, x->p[i]) <= width + 1e-9 * s->reach);
+    }
+    return lie;
+}
+
 /* Probes directions towards the nearest point of M - shift until the distance is known to
  * rounding, or to a twentieth of what has been won over `start`, or no better for some rounds.
  * Returns 0 if M - shift holds the origin. */
 static int approach(search *s, simplex *x, const double shift[3], double start)
 {
-    double slack = HUGE_VAL;
+    double shortest = HUGE_VAL;
     int stale = 0;
-    for (int round = 0; round < GJK_ROUNDS && stale < 6 && !s->fault && !apart(s); round++) {
+    for (int round = 0; round < GJK_ROUNDS && stale < 3 && !s->fault && !apart(s); round++) {
         double v[3];
         double n[3];
         double p[3];
@@ -404,12 +413,13 @@ static int approach(search *s, simplex *x, const double shift[3], double start)
         }
         const double width = support(s, n, p);
         const double gap = dot(shift, n) - width; /* lower bound of the distance */
+        s->fault |= contradicts(s, x, n, width);
         const double left = length(v) - gap;
         if (left <= greater(s->rounding, 0.05 * (gap - start)) || holds(x, p)) {
             break;
         }
-        stale = left < 0.5 * slack ? 0 : stale + 1;
-        slack = lesser(slack, left);
+        stale = length(v) < shortest - 64.0 * s->rounding ? 0 : stale + 1;
+        shortest = lesser(shortest, length(v));
         if (x->count < 4) {
             copy(p, x->p[x->count++]);
         }
@@ -417,8 +427,7 @@ static int approach(search *s, simplex *x, const double shift[3], double start)
     return 1;
 }
 
-/* ---- smooth places: Newton
- * ---------------------------------------------------------------------- */
+/* ---- smooth places: Newton ------------------------------------------------------------------- */
 
 /* The gradient of w on the sphere is the support point's part across n, its Hessian the
  * derivative of that minus w. Returns whether a local minimum was reached and is one; 0 where
@@ -478,17 +487,13 @@ static int newton(search *s)
     return 0;
 }
 
-/* ---- descent
- * ------------------------------------------------------------------------------------ */
+/* ---- descent --------------------------------------------------------------------------------- */
 
 /* From the least width seen to a local minimum. */
 static void descend(search *s)
 {
     simplex x;
     x.count = 1;
-    if (newton(s)) {
-        return;
-    }
     (void)support(s, s->normal, x.p[0]);
     for (int k = 0; k < DESCENTS && !s->fault && !apart(s); k++) {
         const double width = s->width;
@@ -504,8 +509,7 @@ static void descend(search *s)
     }
 }
 
-/* ---- all of M: expanding polytope
- * --------------------------------------------------------------- */
+/* ---- all of M: expanding polytope ------------------------------------------------------------ */
 
 typedef struct facet {
     double n[3]; /* outward unit normal */
@@ -515,7 +519,8 @@ typedef struct facet {
     int state;
 } facet;
 
-/* A THIN facet has no normal to speak of. It is never asked and goes as soon as a neighbour does. */
+/* A THIN facet has no normal to speak of. It is never asked and goes as soon as a neighbour
+ * does. */
 enum { FACET_FREE, FACET_KEPT, FACET_THIN, FACET_SEEN };
 
 /* Polytope within M. */
@@ -679,66 +684,88 @@ static double farther(search *s, const double v[3], const double p[3], double ou
     return away[which];
 }
 
-/* Tetrahedron of support points; 0 if M is flat. */
-static int first_polytope(search *s, polytope *x)
+/* The four facets of the tetrahedron of the first four points; 0 if it is flat. */
+static int tetrahedron(search *s, polytope *x)
 {
     static const int corner[4][3] = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {0, 2, 3}};
     static const int next[4][3] = {{1, 2, 3}, {3, 2, 0}, {1, 3, 0}, {0, 2, 1}};
-    double f[9];
-    double e[3];
+    double e[3][3];
     double n[3];
-    const double flat = 16.0 * s->rounding;
-    basis_rows(s->normal[0], s->normal[1], s->normal[2], f);
-    (void)support(s, f, x->p[0]);
-    if (!(farther(s, f, x->p[0], x->p[1]) > flat)) {
-        return 0;
+    for (int i = 0; i < 3; i++) {
+        subtract(x->p[i + 1], x->p[0], e[i]);
     }
-    subtract(x->p[1], x->p[0], e);
-    cross(e, f + 3, n);
-    if (!(farther(s, n, x->p[0], x->p[2]) > flat)) {
-        return 0;
-    }
-    subtract(x->p[2], x->p[0], f);
-    cross(e, f, n);
-    if (!(farther(s, n, x->p[0], x->p[3]) > flat)) {
-        return 0;
-    }
-    subtract(x->p[3], x->p[0], f);
-    const int flip = dot(n, f) > 0.0; /* corner is right for a fourth point below the first three */
-    if (flip) {
-        copy(x->p[1], e);
+    cross(e[0], e[1], n);
+    if (dot(n, e[2]) > 0.0) { /* corner is right for a fourth point below the first three */
+        copy(x->p[1], n);
         copy(x->p[2], x->p[1]);
-        copy(e, x->p[2]);
+        copy(n, x->p[2]);
     }
     x->points = x->facets = 4;
     x->thin = 16.0 * s->rounding;
+    int kept = 0;
     for (int i = 0; i < 4; i++) {
         set_facet(x, i, corner[i][0], corner[i][1], corner[i][2]);
         memcpy(x->f[i].next, next[i], sizeof next[i]);
+        kept += x->f[i].state == FACET_KEPT ? 1 : 0;
     }
-    return 1;
+    return kept == 4;
 }
 
-/* Points around the best direction, so near that the facets between them lie as deep as it:
- * without them a smooth place would have to be halved down to their size. */
-static int ring(search *s, polytope *x)
+/* Tetrahedron of support points, as wide as M is; 0 if M is flat. */
+static int wide_polytope(search *s, polytope *x)
 {
     double f[9];
-    double p[3];
+    double e[3];
+    double n[3];
     basis_rows(s->normal[0], s->normal[1], s->normal[2], f);
-    const double delta = sqrt(0.008 * s->width / s->reach);
-    for (int i = 0; i < 4; i++) {
+    (void)support(s, f, x->p[0]);
+    (void)farther(s, f, x->p[0], x->p[1]);
+    subtract(x->p[1], x->p[0], e);
+    cross(e, f + 3, n);
+    (void)farther(s, n, x->p[0], x->p[2]);
+    subtract(x->p[2], x->p[0], f);
+    cross(e, f, n);
+    return farther(s, n, x->p[0], x->p[3]) > 16.0 * s->rounding && tetrahedron(s, x);
+}
+
+/* Support points of three directions around the best one, so near that the facet between them
+ * lies as deep as it: without them a smooth place would have to be halved down to their size. */
+static void ring(search *s, double p[3][3])
+{
+    static const double turn[3][2] = {{1.0, 0.0}, {-0.5, 0.75}, {-0.5, -0.75}};
+    double f[9];
+    basis_rows(s->normal[0], s->normal[1], s->normal[2], f);
+    const double delta = sqrt(0.006 * s->width / s->reach);
+    for (int i = 0; i < 3; i++) {
         double n[3];
-        const double *e = f + 3 + 3 * (i / 2);
-        const double way = i % 2 != 0 ? 0.0 - delta : delta;
-        const double v[3] = {f[0] + way * e[0], f[1] + way * e[1], f[2] + way * e[2]};
+        const double x = delta * turn[i][0];
+        const double y = delta * turn[i][1];
+        const double v[3] = {f[0] + x * f[3] + y * f[6], f[1] + x * f[4] + y * f[7],
+                             f[2] + x * f[5] + y * f[8]};
         (void)unit(v, n);
-        (void)support(s, n, p);
-        if (!grow_any(x, p, s->rounding)) {
-            return 0;
-        }
+        (void)support(s, n, p[i]);
     }
-    return 1;
+}
+
+/* The ring and the point behind it; something wider if that is flat, and the ring on top. */
+static int first_polytope(search *s, polytope *x)
+{
+    double p[3][3];
+    const double back[3] = {0.0 - s->normal[0], 0.0 - s->normal[1], 0.0 - s->normal[2]};
+    ring(s, p);
+    memcpy(x->p, p, sizeof p);
+    (void)support(s, back, x->p[3]);
+    if (tetrahedron(s, x)) {
+        return 1;
+    }
+    if (!wide_polytope(s, x)) {
+        return 0;
+    }
+    int whole = 1;
+    for (int i = 0; i < 3 && whole; i++) {
+        whole = grow_any(x, p[i], s->rounding);
+    }
+    return whole;
 }
 
 static int nearest_facet(const polytope *x)
@@ -752,35 +779,46 @@ static int nearest_facet(const polytope *x)
     return best;
 }
 
+/* Whether nothing below the least width is left to be found beyond the nearest facet: it is as
+ * far as that but for half a percent and faces the same way, or as far but for little. */
+static int settled(const search *s, const facet *f)
+{
+    const double share = dot(f->n, s->normal) > 0.99 ? 0.995 : 0.9999;
+    return f->d >= share * s->width;
+}
+
+enum { SURVEY_FAILED, SURVEY_NEAR, SURVEY_EXACT };
+
 /* Looks at M where the polytope in it comes nearest to the origin, until that is as far as the
- * least width to half a percent: then no direction is better by more. Returns whether it came
- * so far. */
+ * least width. EXACT if it is so to rounding: then that is the least of all. */
 static int survey(search *s)
 {
     polytope x;
-    if (!first_polytope(s, &x) || !ring(s, &x)) {
-        return 0;
+    if (!first_polytope(s, &x)) {
+        return SURVEY_FAILED;
     }
     while (!s->fault && !apart(s)) {
         double p[3];
         const int at = nearest_facet(&x);
+        if (at < 0) {
+            return SURVEY_FAILED;
+        }
         const facet *f = &x.f[at];
-        if (f->d >= 0.995 * s->width) {
-            return 1;
+        if (s->width - f->d <= s->rounding) {
+            return SURVEY_EXACT;
+        }
+        if (settled(s, f)) {
+            return SURVEY_NEAR;
         }
         const double width = support(s, f->n, p);
-        if (width - f->d <= s->rounding) {
-            return 1;
-        }
-        if (!grow(&x, at, p, s->rounding)) {
-            return 0;
+        if (width - f->d > s->rounding && !grow(&x, at, p, s->rounding)) {
+            return SURVEY_FAILED;
         }
     }
-    return 0;
+    return SURVEY_FAILED;
 }
 
-/* ---- kinks
- * -------------------------------------------------------------------------------------- */
+/* ---- kinks ----------------------------------------------------------------------------------- */
 
 typedef struct support_face {
     double p[3 * TRIBO_MAX_FACE]; /* world axes */
@@ -833,7 +871,7 @@ static uint32_t edge(const support_face *face, uint32_t i, double e[3])
 }
 
 /* Cross products of those edges of both faces that are square to the axis. */
-static void prefer_edges(search *s, const support_face *a, const support_face *b)
+static int prefer_edges(search *s, const support_face *a, const support_face *b)
 {
     const double square = 1e-3;
     for (uint32_t i = 0; i < a->count; i++) {
@@ -854,29 +892,129 @@ static void prefer_edges(search *s, const support_face *a, const support_face *b
                     n[c] = copysign(1.0, turn) * n[c];
                 }
                 if (prefer(s, n)) {
-                    return;
+                    return 1;
                 }
             }
         }
     }
+    return 0;
 }
 
-/* The normals of the faces that meet, or of the edges. */
-static void snap(search *s)
+static void faces_of(const search *s, support_face *a, support_face *b)
+{
+    face_of(s->pair->a, s->pair->ra, s->normal, -1.0, a);
+    face_of(s->pair->b, s->pair->rb, s->normal, 1.0, b);
+}
+
+/* The normals of the faces that meet, or of the edges. Returns whether one of them is as good
+ * as the best. */
+static int snap(search *s)
 {
     support_face a;
     support_face b;
-    face_of(s->pair->a, s->pair->ra, s->normal, -1.0, &a);
-    face_of(s->pair->b, s->pair->rb, s->normal, 1.0, &b);
-    const int on_a = a.count > 2 && prefer(s, a.normal);
-    const int on_b = !on_a && b.count > 2 && prefer(s, b.normal);
-    if (!on_a && !on_b && a.count > 1 && b.count > 1) {
-        prefer_edges(s, &a, &b);
-    }
+    faces_of(s, &a, &b);
+    return (a.count > 2 && prefer(s, a.normal)) || (b.count > 2 && prefer(s, b.normal)) ||
+           (a.count > 1 && b.count > 1 && prefer_edges(s, &a, &b));
 }
 
-/* ---- the search
- * --------------------------------------------------------------------------------- */
+/* The edge of a face that is the squarest to the axis; 0 if none is nearly so. */
+static int square_edge(const search *s, const support_face *face, double best[3])
+{
+    double least = 0.1;
+    for (uint32_t i = 0; i < face->count && face->count > 1; i++) {
+        double e[3];
+        if (edge(face, i, e) && absolute(dot(e, s->normal)) < least) {
+            least = absolute(dot(e, s->normal));
+            copy(e, best);
+        }
+    }
+    return least < 0.1;
+}
+
+/* n turned by an angle x about the edge e, t = e x n; not quite: tan x. */
+static void turn(const double n[3], const double t[3], double x, double out[3])
+{
+    const double v[3] = {n[0] + x * t[0], n[1] + x * t[1], n[2] + x * t[2]};
+    (void)unit(v, out);
+}
+
+/* Newton along the great circle square to an edge, where w is smooth along it. Returns the bend
+ * of w there; 0 if it did not end in a minimum. */
+static double along_ridge(search *s, const double e[3], double n[3])
+{
+    double t[3];
+    double p[3];
+    double width = support(s, n, p);
+    for (int k = 0; k < NEWTON_STEPS && !s->fault && !apart(s); k++) {
+        double m[3];
+        double q[3];
+        cross(e, n, t);
+        const double slope = dot(p, t);
+        const double delta = lesser(greater(0.01 * absolute(slope) / s->small, 1e-6), 1e-3);
+        turn(n, t, delta, m);
+        (void)support(s, m, q);
+        const double bend = (dot(q, t) - slope) / delta - width;
+        if (!(bend > 1e-6 * s->small) || absolute(slope) > 0.5 * bend) {
+            return 0.0;
+        }
+        const double gain = 0.5 * slope * slope / bend;
+        if (gain <= 0.25 * s->rounding) {
+            return bend;
+        }
+        turn(n, t, 0.0 - slope / bend, m);
+        const double found = support(s, m, p);
+        if (!(found < width - 0.25 * gain)) {
+            return 0.0;
+        }
+        width = found;
+        copy(m, n);
+    }
+    return 0.0;
+}
+
+/* Where an edge e meets a curved place w is kinked across e. Returns whether a local minimum was
+ * reached: the support points on both sides of the kink then have the foot of the origin between
+ * them. */
+static int ridge(search *s, const double e[3])
+{
+    double n[3];
+    double t[3];
+    double m[3];
+    double left[3];
+    double right[3];
+    const double tilt = 3e-8;
+    const double along = dot(e, s->normal);
+    const double flat[3] = {s->normal[0] - along * e[0], s->normal[1] - along * e[1],
+                            s->normal[2] - along * e[2]};
+    (void)unit(flat, n);
+    const double bend = along_ridge(s, e, n);
+    if (!(bend > 0.0)) {
+        return 0;
+    }
+    cross(e, n, t);
+    turn(n, e, tilt, m);
+    const double width = support(s, m, right);
+    turn(n, e, 0.0 - tilt, m);
+    (void)support(s, m, left);
+    const double after = dot(right, e);
+    const double before = dot(left, e);
+    const double slip =
+        (dot(left, t) * after - dot(right, t) * before) / greater(after - before, s->rounding);
+    return after > 0.0 && before < 0.0 && 0.5 * slip * slip <= bend * s->rounding &&
+           width <= s->width + tilt * s->reach;
+}
+
+/* Edges against curved places. */
+static int climb_ridges(search *s)
+{
+    support_face a;
+    support_face b;
+    double e[3];
+    faces_of(s, &a, &b);
+    return (square_edge(s, &a, e) && ridge(s, e)) || (square_edge(s, &b, e) && ridge(s, e));
+}
+
+/* ---- the search ------------------------------------------------------------------------------ */
 
 static void begin(search *s, const pair_query *pair)
 {
@@ -925,6 +1063,29 @@ static void axes_of(search *s, const double r[9])
     }
 }
 
+/* From the least width seen to a local minimum. */
+static void settle(search *s)
+{
+    if (!newton(s) && !climb_ridges(s)) {
+        descend(s);
+    }
+}
+
+/* M as a whole, once the best is a local minimum or, at a kink, may be one. */
+static void look_around(search *s, int kink)
+{
+    const double before = s->width;
+    if (length(s->offset) < 0.1 * s->small) {
+        axes_of(s, s->pair->ra);
+        axes_of(s, s->pair->rb);
+    }
+    const int outcome = survey(s);
+    s->stopped |= outcome == SURVEY_FAILED;
+    if (outcome != SURVEY_EXACT && (kink || s->width < before)) {
+        settle(s);
+    }
+}
+
 static void least_width(search *s)
 {
     first_look(s);
@@ -932,20 +1093,19 @@ static void least_width(search *s)
         return;
     }
     ask_mpr(s);
-    descend(s);
-    if (s->width > 64.0 * s->rounding && !s->fault) {
-        if (length(s->offset) < 0.1 * s->small) {
-            axes_of(s, s->pair->ra);
-            axes_of(s, s->pair->rb);
-        }
-        const double before = s->width;
-        s->stopped |= !survey(s);
-        if (s->width < before) {
-            descend(s);
-        }
+    if (apart(s) || s->fault) {
+        return;
     }
-    if (!s->fault && !apart(s)) {
-        snap(s);
+    const int kink = s->width > 64.0 * s->rounding && snap(s);
+    if (!kink || s->width <= 64.0 * s->rounding) {
+        settle(s);
+    }
+    const double width = s->width;
+    if (width > 64.0 * s->rounding && !s->fault) {
+        look_around(s, kink);
+    }
+    if (!s->fault && !apart(s) && (!kink || s->width < width)) {
+        (void)snap(s);
     }
 }
 

@@ -373,7 +373,9 @@ static void segments(const double *p, const double *e, const double *q, const do
     const double er = dot(e, r);
     const double fr = dot(f, r);
     const double det = ee * ff - ef * ef;
-    double s = det > 0.0 ? fmin(fmax((ef * fr - er * ff) / det, 0.0), 1.0) : 0.0;
+    double s = det > 0.0               ? fmin(fmax((ef * fr - er * ff) / det, 0.0), 1.0)
+               : ff <= 0.0 && ee > 0.0 ? fmin(fmax(-er / ee, 0.0), 1.0)
+                                       : 0.0;
     double t = ff > 0.0 ? (ef * s + fr) / ff : 0.0;
     if (t < 0.0 || t > 1.0) {
         t = fmin(fmax(t, 0.0), 1.0);
@@ -478,26 +480,37 @@ static int full(const truth_body *body)
     return body->core->faces > 0;
 }
 
-/* Directions square to two segments or points that meet. */
+static void both_ways(const truth_body *a, const truth_body *b, double *n, double *width,
+                      double *normal)
+{
+    if (normalize(n) > 1e-300) {
+        const double back[3] = {-n[0], -n[1], -n[2]};
+        least(a, b, n, width, normal);
+        least(a, b, back, width, normal);
+    }
+}
+
+/* Directions square to two segments or points that meet, or nearly: there the difference of nearest
+ * points has no direction to speak of. */
 static void try_squares(const truth_body *a, const truth_body *b, double *width, double *normal)
 {
+    double between[3];
+    double n[3];
     const double axis[4][3] = {{a->rotation[2], a->rotation[5], a->rotation[8]},
                                {b->rotation[2], b->rotation[5], b->rotation[8]},
                                {a->rotation[0], a->rotation[3], a->rotation[6]},
                                {b->rotation[0], b->rotation[3], b->rotation[6]}};
+    minus(b->position, a->position, between);
     for (int i = 0; i < 4; i++) {
-        for (int j = 0; j <= i; j++) {
-            double n[3];
+        memcpy(n, axis[i], sizeof n);
+        both_ways(a, b, n, width, normal);
+        for (int j = 0; j < i; j++) {
             cross(axis[i], axis[j], n);
-            if (i == j) {
-                memcpy(n, axis[i], sizeof n);
-            } else if (normalize(n) < 1e-9) {
-                continue;
-            }
-            const double back[3] = {-n[0], -n[1], -n[2]};
-            least(a, b, n, width, normal);
-            least(a, b, back, width, normal);
+            both_ways(a, b, n, width, normal);
         }
+        cross(between, axis[i], n);
+        cross(n, axis[i], n);
+        both_ways(a, b, n, width, normal);
     }
 }
 
@@ -643,7 +656,7 @@ static double against_sphere(const truth_body *a, const truth_body *b, double *n
 /* ---- all else
  * ----------------------------------------------------------------------------------- */
 
-enum { SPREAD = 500, STARTS = 5, COARSE = 16, FINE = 44 };
+enum { SPREAD = 500, STARTS = 5, COARSE = 16, FINE = 30 };
 
 typedef struct chart {
     const truth_body *a;
@@ -804,7 +817,8 @@ static double by_sections(const truth_body *a, const truth_body *b, double *norm
         (void)polish(a, b, 0.2, COARSE, start[i]);
         least(a, b, start[i], &width, normal);
     }
-    return polish(a, b, 1e-3, FINE, normal);
+    (void)polish(a, b, 1e-2, FINE, normal);
+    return polish(a, b, 1e-6, FINE, normal);
 }
 
 double truth_least(const truth_body *a, const truth_body *b, double normal[3])
