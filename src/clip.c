@@ -1,24 +1,28 @@
 /* Contact points of two convex shapes by clipping the faces that look at each other.
  *
- * Everything is seen along the normal n, in coordinates (h, u, v) of the contact frame (n, t1, t2): the faces
- * become polygons in the plane, the points are the corners of their overlap, and the distance at a point is the
- * difference of the heights h of the two faces above it. */
+ * Everything is seen along the normal n, in coordinates (h, u, v) of the contact frame (n, t1, t2):
+ * the faces become polygons in the plane, the points are the corners of their overlap, and the
+ * distance at a point is the difference of the heights h of the two faces above it. */
 #include "pair.h"
 
 #include "rows.h"
 
 #include <tribo/math.h>
 
-#define ALIGNED 0.9995     /* cosine: up to here faces tilted against the normal still lie on each other */
-#define SNAP_ANGLE 0.9     /* cosine: faces that are worth a look for a better normal */
-#define SNAP_WIDTH 1e-9    /* of the distance: by so much a face's normal may be worse than the axis */
+#define ALIGNED \
+    0.9995 /* cosine: up to here faces tilted against the normal still lie on each other */
+#define SNAP_ANGLE 0.9  /* cosine: faces that are worth a look for a better normal */
+#define SNAP_WIDTH 1e-9 /* of the distance: by so much a face's normal may be worse than the axis */
 #define CLIP_ROUNDING 1e-12 /* of the lengths: on the line is inside */
-#define PARALLEL 1e-3      /* sine of the angle up to which two edges are one line of contact */
-#define MERGE 1e-9         /* of the size: points that are one */
-#define BETTER 1.000001    /* ratio of areas, or of squares, that is worth another choice */
-#define RIDGE 1e-6         /* of the size: up to so much above the deepest point two ridges still touch */
+#define PARALLEL 1e-3       /* sine of the angle up to which two edges are one line of contact */
+#define MERGE 1e-9          /* of the size: points that are one */
+#define BETTER 1.000001     /* ratio of areas, or of squares, that is worth another choice */
+#define TILT 1e-5           /* radians by which supports are tilted to feel along a face */
+#define RIDGE 1e-6 /* of the size: up to so much above the deepest point two ridges still touch */
 
-/* ---- faces ------------------------------------------------------------------------------------ */
+enum { SAMPLES = 10 };
+
+/* ---- faces ---------------------------------------------------------------------------------- */
 
 int clip_take_face(const pair_query *query, int side, const double direction[3], pair_face *face)
 {
@@ -73,12 +77,12 @@ int clip_distance(const pair_query *query, const double n[3], double *distance, 
     return 1;
 }
 
-/* ---- polygons along the normal ------------------------------------------------------------------ */
+/* ---- polygons along the normal -------------------------------------------------------------- */
 
 typedef struct polygon {
     uint32_t count;
     uint32_t feature;
-    double size; /* greatest distance of a corner from the first along u or v */
+    double size;     /* greatest distance of a corner from the first along u or v */
     double slope[2]; /* height gained per length along u and v */
     double h[TRIBO_MAX_FACE];
     double u[TRIBO_MAX_FACE];
@@ -115,7 +119,8 @@ static double winding_of(int side)
     return side == 0 ? -1.0 : 1.0;
 }
 
-/* Line through side j of a polygon. Its value is the distance from it times `length`, positive inside. */
+/* Line through side j of a polygon. Its value is the distance from it times `length`, positive
+ * inside. */
 typedef struct line {
     double u, v, c;
     double length; /* of the side, or up to 1.5 times that: it saves a root */
@@ -135,13 +140,14 @@ static double line_value(const line *l, double u, double v)
     return l->u * u + l->v * v + l->c;
 }
 
-/* ---- clipping (Sutherland and Hodgman, CACM 17 (1974) 32) ------------------------------------------ */
+/* ---- clipping (Sutherland and Hodgman, CACM 17 (1974) 32) ----------------------------------- */
 
 enum { OWN_SIDE = 64 }; /* sides of the clipping polygon are numbered from here */
 
 typedef struct corner {
     double u, v, h;
-    uint32_t inner; /* features on the clipped polygon and on the one that clips, without the face */
+    uint32_t
+        inner; /* features on the clipped polygon and on the one that clips, without the face */
     uint32_t outer;
     uint32_t side; /* the side that leaves here */
 } corner;
@@ -151,7 +157,11 @@ static corner crossing(const corner *p, const corner *q, double dp, double dq, u
                        uint32_t count)
 {
     const double f = dp / (dp - dq);
-    corner x = {p->u + f * (q->u - p->u), p->v + f * (q->v - p->v), p->h + f * (q->h - p->h), 0, 0,
+    corner x = {p->u + f * (q->u - p->u),
+                p->v + f * (q->v - p->v),
+                p->h + f * (q->h - p->h),
+                0,
+                0,
                 p->side};
     if (p->side < OWN_SIDE) {
         x.inner = pair_feature(0, PAIR_EDGE, p->side);
@@ -166,8 +176,8 @@ static corner crossing(const corner *p, const corner *q, double dp, double dq, u
 }
 
 /* Keep what lies inside of side j; d are the values of its line at the corners. */
-static uint32_t clip_by_line(const corner *in, uint32_t n, const double *d, double slack, uint32_t j,
-                             uint32_t count, corner *out)
+static uint32_t clip_by_line(const corner *in, uint32_t n, const double *d, double slack,
+                             uint32_t j, uint32_t count, corner *out)
 {
     uint32_t m = 0;
     for (uint32_t i = 0; i < n && m + 2 <= PAIR_MAX_POINTS; i++) {
@@ -269,7 +279,7 @@ static uint32_t clip_segment(const polygon *inner, const polygon *outer, double 
     return 2;
 }
 
-/* ---- from the plane back into space --------------------------------------------------------------- */
+/* ---- from the plane back into space --------------------------------------------------------- */
 
 static void place(const double frame[9], double u, double v, double h, double out[3])
 {
@@ -343,7 +353,7 @@ uint32_t clip_faces(const pair_query *query, const pair_face faces[2], int refer
     return overlap(frame, p, reference, points);
 }
 
-/* ---- degenerate faces ----------------------------------------------------------------------------- */
+/* ---- degenerate faces ----------------------------------------------------------------------- */
 
 /* One point, of a curved place at least on one side. */
 static uint32_t touch_at_point(const pair_face faces[2], const pair_axis *axis, pair_point *point)
@@ -385,7 +395,8 @@ static void between_edges(const double frame[9], const polygon p[2], double s, d
     point->b = pair_feature(p[1].feature, PAIR_EDGE, 0);
 }
 
-/* Edges of two rounded shapes: one point where they cross, the ends of the overlap where they are parallel. */
+/* Edges of two rounded shapes: one point where they cross, the ends of the overlap where they are
+ * parallel. */
 static uint32_t touch_at_edges(const double frame[9], const polygon p[2], double distance,
                                pair_point points[2])
 {
@@ -427,10 +438,11 @@ static uint32_t touch_at_edges(const double frame[9], const polygon p[2], double
     return count;
 }
 
-/* ---- the axis and the faces ------------------------------------------------------------------------ */
+/* ---- the axis and the faces ----------------------------------------------------------------- */
 
-/* Where a face of either shape looks along the axis nearly, its normal is exact and the axis has noise that
- * a large face turns into depth: take it unless it is worse. Returns the face's side, or -1. */
+/* Where a face of either shape looks along the axis nearly, its normal is exact and the axis has
+ * noise that a large face turns into depth: take it unless it is worse. Returns the face's side, or
+ * -1. */
 static int snap(const pair_query *query, const pair_face faces[2], pair_axis *axis)
 {
     int best = -1;
@@ -478,25 +490,131 @@ static uint32_t deepest_of(const pair_point *points, uint32_t count)
     return deepest;
 }
 
-/* The support points themselves, when the faces do not hold what is deepest: rims of round shapes, corners whose
- * faces look elsewhere. */
-static uint32_t add_support(const pair_query *query, const pair_face faces[2], int reference,
-                            const pair_axis *axis, pair_point *point)
+/* ---- where two shapes touch, by supports alone ---------------------------------------------- */
+
+/* Farthest points of A and B in directions tilted a little against the axis, and how B's lies
+ * beside A's. The shapes touch where a mixture of such pairs has its two points above each
+ * other. */
+typedef struct sample {
+    double a[3];
+    double b[3];
+    double u;
+    double v;
+} sample;
+
+typedef struct mixture {
+    uint32_t count; /* 1 to 3 samples */
+    uint32_t at[3];
+    double weight[3];
+    double u; /* what is left between the two points */
+    double v;
+} mixture;
+
+static int take_sample(const pair_query *query, const double frame[9], double u, double v,
+                       sample *out)
 {
-    const int inner = 1 - reference;
-    const double sign = inner == 0 ? -1.0 : 1.0;
-    const double *n = axis->normal;
-    const double along[3] = {sign * n[0], sign * n[1], sign * n[2]};
-    double p[3];
-    if (!take_support(query, inner, along, p)) {
+    double along[3];
+    double back[3];
+    for (int i = 0; i < 3; i++) {
+        along[i] = frame[i] + TILT * (u * frame[3 + i] + v * frame[6 + i]);
+        back[i] = 0.0 - along[i];
+    }
+    if (!take_support(query, 0, back, out->a) || !take_support(query, 1, along, out->b)) {
         return 0;
     }
-    tribo_vec3_add_scaled(p, 0.5 * sign * axis->distance, n, point->middle);
-    point->distance = axis->distance;
-    point->a = pair_feature(faces[0].feature, inner == 0 ? PAIR_CURVED : PAIR_FACE, 0);
-    point->b = pair_feature(faces[1].feature, inner == 1 ? PAIR_CURVED : PAIR_FACE, 0);
+    double apart[3];
+    tribo_vec3_subtract(out->b, out->a, apart);
+    out->u = tribo_vec3_dot(frame + 3, apart);
+    out->v = tribo_vec3_dot(frame + 6, apart);
     return 1;
 }
+
+/* Two samples: the point of their segment that is nearest to zero. */
+static void mix_two(const sample *s, uint32_t i, uint32_t j, mixture *best)
+{
+    const double du = s[j].u - s[i].u;
+    const double dv = s[j].v - s[i].v;
+    const double square = du * du + dv * dv;
+    const double t = square > 0.0 ? held(0.0 - (s[i].u * du + s[i].v * dv) / square) : 0.0;
+    const double u = s[i].u + t * du;
+    const double v = s[i].v + t * dv;
+    if (u * u + v * v < best->u * best->u + best->v * best->v) {
+        const mixture m = {2, {i, j, j}, {1.0 - t, t, 0.0}, u, v};
+        *best = m;
+    }
+}
+
+/* Three samples with zero among them. */
+static void mix_three(const sample *s, uint32_t i, uint32_t j, uint32_t k, mixture *best)
+{
+    const double a = s[j].u * s[k].v - s[j].v * s[k].u;
+    const double b = s[k].u * s[i].v - s[k].v * s[i].u;
+    const double c = s[i].u * s[j].v - s[i].v * s[j].u;
+    const double sum = a + b + c;
+    if ((a >= 0.0 && b >= 0.0 && c >= 0.0 && sum > 0.0) ||
+        (a <= 0.0 && b <= 0.0 && c <= 0.0 && sum < 0.0)) {
+        const mixture m = {3, {i, j, k}, {a / sum, b / sum, c / sum}, 0.0, 0.0};
+        *best = m;
+    }
+}
+
+/* What the newest of `count` samples adds. */
+static void mix(const sample *s, uint32_t count, mixture *best)
+{
+    const uint32_t last = count - 1;
+    if (count == 1) {
+        const mixture m = {1, {0, 0, 0}, {1.0, 0.0, 0.0}, s[0].u, s[0].v};
+        *best = m;
+    }
+    for (uint32_t i = 0; i < last; i++) {
+        mix_two(s, i, last, best);
+    }
+    for (uint32_t i = 0; i < last; i++) {
+        for (uint32_t j = i + 1; j < last; j++) {
+            mix_three(s, i, j, last, best);
+        }
+    }
+}
+
+/* The point where the shapes touch, when their faces do not hold it: rims of round shapes, corners
+ * and edges whose nearest faces look elsewhere. Samples are tilted towards what is left, as in GJK,
+ * but in the plane. */
+static uint32_t add_witness(const pair_query *query, const pair_face faces[2],
+                            const double frame[9], const pair_axis *axis, pair_point *point)
+{
+    sample s[SAMPLES];
+    mixture best = {0, {0, 0, 0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
+    double tilt[2] = {0.0, 0.0};
+    for (uint32_t count = 0; count < SAMPLES; count++) {
+        if (!take_sample(query, frame, tilt[0], tilt[1], &s[count])) {
+            return 0;
+        }
+        const double slack = CLIP_ROUNDING * (extent(s[count].a) + extent(s[count].b));
+        if (count > 0 && !(s[count].u * tilt[0] + s[count].v * tilt[1] >
+                           best.u * tilt[0] + best.v * tilt[1] + slack)) {
+            break;
+        }
+        mix(s, count + 1, &best);
+        const double left = sqrt(best.u * best.u + best.v * best.v);
+        if (!(left > slack)) {
+            break;
+        }
+        tilt[0] = 0.0 - best.u / left;
+        tilt[1] = 0.0 - best.v / left;
+    }
+    point->middle[0] = point->middle[1] = point->middle[2] = 0.0;
+    for (uint32_t k = 0; k < best.count; k++) {
+        const sample *from = &s[best.at[k]];
+        tribo_vec3_add_scaled(point->middle, 0.5 * best.weight[k], from->a, point->middle);
+        tribo_vec3_add_scaled(point->middle, 0.5 * best.weight[k], from->b, point->middle);
+    }
+    point->distance = axis->distance;
+    point->a = pair_feature(faces[0].feature, PAIR_CURVED, 0);
+    point->b = pair_feature(faces[1].feature, PAIR_CURVED, 0);
+    return 1;
+}
+
+/* ---- two faces ------------------------------------------------------------------------------ */
 
 /* Points of two faces of which the one that clips lies across the normal. */
 static uint32_t touch_at_faces(const pair_query *query, const pair_face faces[2],
@@ -507,26 +625,26 @@ static uint32_t touch_at_faces(const pair_query *query, const pair_face faces[2]
     const double size = lesser(p[0].size, p[1].size);
     const double slack = CLIP_ROUNDING * size + PAIR_ROUNDING * (absolute(p[0].h[0]) + size);
     if (count == 0 || points[deepest_of(points, count)].distance > axis->distance + slack) {
-        count += add_support(query, faces, reference, axis, &points[count]);
+        count += add_witness(query, faces, frame, axis, &points[count]);
     }
     return count;
 }
 
-/* Edges that cross, or corners: no face lies across the normal. What is deepest in the overlap is where they
- * touch; parallel edges have two such places. */
+/* Edges that cross, or corners: no face lies across the normal. What is deepest in the overlap is
+ * where they touch; parallel edges have two such places. */
 static uint32_t touch_at_ridges(const pair_query *query, const pair_face faces[2],
                                 const polygon p[2], const double frame[9], int reference,
                                 const pair_axis *axis, pair_point *points)
 {
     const uint32_t count = overlap(frame, p, reference, points);
-    if (count == 0) {
-        return add_support(query, faces, reference, axis, points);
+    const double room = RIDGE * lesser(p[0].size, p[1].size);
+    const double least = count > 0 ? points[deepest_of(points, count)].distance : 0.0;
+    if (count == 0 || absolute(least - axis->distance) > room) {
+        return add_witness(query, faces, frame, axis, points);
     }
-    const double least = points[deepest_of(points, count)].distance;
-    const double level = least + RIDGE * lesser(p[0].size, p[1].size);
     uint32_t kept = 0;
     for (uint32_t i = 0; i < count; i++) {
-        if (points[i].distance <= level) {
+        if (points[i].distance <= least + room) {
             points[kept] = points[i];
             points[kept].distance += axis->distance - least;
             kept++;
@@ -587,7 +705,7 @@ void clip_manifold(const pair_query *query, const pair_axis *axis, tribo_manifol
     }
 }
 
-/* ---- one face that is given -------------------------------------------------------------------------- */
+/* ---- one face that is given ----------------------------------------------------------------- */
 
 static int is_over(const polygon *p, double winding, double slack, double u, double v)
 {
@@ -646,13 +764,14 @@ void clip_onto(const pair_query *query, const pair_face *face, tribo_manifold *o
     }
 }
 
-/* ---- choice of points ------------------------------------------------------------------------------- */
+/* ---- choice of points ----------------------------------------------------------------------- */
 
 /* Points in order around their area, and what each adds to it. */
 typedef struct ring {
     uint32_t count;
     uint32_t order[PAIR_MAX_POINTS];
-    double ear[PAIR_MAX_POINTS]; /* of the point at this place of the order: twice the triangle's area */
+    double ear
+        [PAIR_MAX_POINTS]; /* of the point at this place of the order: twice the triangle's area */
     double u[PAIR_MAX_POINTS];
     double v[PAIR_MAX_POINTS];
 } ring;
@@ -675,8 +794,8 @@ static uint32_t after(const ring *r, uint32_t place)
 
 static void measure_ear(ring *r, uint32_t place)
 {
-    r->ear[place] = absolute(
-        area(r, r->order[before(r, place)], r->order[place], r->order[after(r, place)]));
+    r->ear[place] =
+        absolute(area(r, r->order[before(r, place)], r->order[place], r->order[after(r, place)]));
 }
 
 /* Put point i, which is in no order, where it lies farthest off a side. */
@@ -707,7 +826,7 @@ static void take_ring(const double normal[3], uint32_t count, const pair_point *
 {
     double frame[9];
     const uint32_t last = count - 1;
-    const uint32_t kinds = (points[last].a | points[last].b) >> 6 & 3u;
+    const int is_alone = (points[last].a >> 6 & 3u) == PAIR_CURVED;
     frame_of(normal, frame);
     for (uint32_t i = 0; i < count; i++) {
         r->u[i] = tribo_vec3_dot(frame + 3, points[i].middle);
@@ -715,7 +834,7 @@ static void take_ring(const double normal[3], uint32_t count, const pair_point *
         r->order[i] = i;
     }
     /* Corners come in order; a support point stands behind them. */
-    r->count = kinds == PAIR_CURVED ? last : count;
+    r->count = is_alone ? last : count;
     if (r->count < count) {
         insert_point(r, last);
     }
@@ -733,8 +852,8 @@ static void remove_place(ring *r, uint32_t place)
     measure_ear(r, before(r, next));
 }
 
-/* Take away what adds least to the area until `max` points are left. The deepest one stays, unless all are as
- * deep: then it says nothing. */
+/* Take away what adds least to the area until `max` points are left. The deepest one stays, unless
+ * all are as deep: then it says nothing. */
 static void thin_ring(ring *r, uint32_t max, uint32_t deepest)
 {
     for (uint32_t k = 0; k < r->count; k++) {
@@ -850,8 +969,7 @@ void clip_write(const pair_query *query, const double normal[3], uint32_t count,
 void clip_finish(const pair_query *query, const double normal[3], double size, uint32_t count,
                  pair_point *points, tribo_manifold *out)
 {
-    const double slack =
-        PAIR_ROUNDING * (size + extent(points[0].middle) + extent(query->offset));
+    const double slack = PAIR_ROUNDING * (size + extent(points[0].middle) + extent(query->offset));
     const uint32_t kept = sift(query->margin + slack, MERGE * size, count, points);
     if (kept == 0) {
         clip_nothing(out);

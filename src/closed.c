@@ -1,12 +1,14 @@
-/* Pairs that have a closed form: half-space with every convex shape, spheres and capsules with each other, sphere
- * with box, box with box.
+/* Pairs that have a closed form: half-space with every convex shape, spheres and capsules with each
+ * other, sphere with box, box with box.
  *
- * Where the direction of least depth is not unique, one is named here and stays the same from call to call:
+ * Where the direction of least depth is not unique, one is named here and stays the same from call
+ * to call:
  * - spheres about one point: the world's z axis;
  * - a sphere's centre on a capsule's segment: the capsule's x axis;
- * - a sphere's centre inside of a box, as near to several faces: the face of the first axis, its positive side;
- * - capsules whose segments touch: across both where they cross inside, else away from the ends that touch; along
- *   one line: across it, by the contact basis of that line;
+ * - a sphere's centre inside of a box, as near to several faces: the face of the first axis, its
+ *   positive side;
+ * - capsules whose segments touch: across both where they cross inside, else away from the ends
+ *   that touch; along one line: across it, by the contact basis of that line;
  * - boxes: faces of A before faces of B before edges, and A on the positive side of them. */
 #include "pair.h"
 
@@ -62,9 +64,10 @@ static void single(const pair_query *query, const double normal[3], const double
     clip_finish(query, normal, 0.0, 1, &point, out);
 }
 
-/* ---- balls ------------------------------------------------------------------------------------ */
+/* ---- balls ---------------------------------------------------------------------------------- */
 
-/* Balls of radius r about two points: `apart` runs from the one of B to the one of A, `at` is the latter. */
+/* Balls of radius r about two points: `apart` runs from the one of B to the one of A, `at` is the
+ * latter. */
 static void balls(const pair_query *query, const double at[3], double radius_a, double radius_b,
                   double length, const double normal[3], uint32_t a, uint32_t b,
                   tribo_manifold *out)
@@ -78,7 +81,8 @@ static void balls(const pair_query *query, const double at[3], double radius_a, 
 static void sphere_sphere(const pair_query *query, tribo_manifold *out)
 {
     static const double center[3] = {0.0, 0.0, 0.0};
-    const double apart[3] = {0.0 - query->offset[0], 0.0 - query->offset[1], 0.0 - query->offset[2]};
+    const double apart[3] = {0.0 - query->offset[0], 0.0 - query->offset[1],
+                             0.0 - query->offset[2]};
     double normal[3] = {0.0, 0.0, 1.0};
     const double length = unit(apart, normal);
     balls(query, center, query->a->size[0], query->b->size[0], length, normal,
@@ -106,13 +110,15 @@ static void sphere_capsule(const pair_query *query, tribo_manifold *out)
           pair_feature(0, PAIR_CURVED, 0), pair_feature(0, PAIR_CURVED, place), out);
 }
 
-/* ---- capsules --------------------------------------------------------------------------------- */
+/* ---- capsules ------------------------------------------------------------------------------- */
 
 #define SEGMENTS_PARALLEL 1e-14 /* sine of the angle below which it is noise */
 #define SEGMENTS_TOUCH 1e-14    /* of the lengths: below this the direction between them is noise */
-#define LINE_OF_CONTACT 1e-3    /* sideways shift, in terms of the distance, up to which two ends touch too */
+#define LINE_OF_CONTACT \
+    1e-3 /* sideways shift, in terms of the distance, up to which two ends touch too */
 
-/* Two segments: centres on a line from A's to B's, unit directions, half-lengths; where they are nearest. */
+/* Two segments: centres on a line from A's to B's, unit directions, half-lengths; where they are
+ * nearest. */
 typedef struct segments {
     double a[3];
     double b[3];
@@ -131,8 +137,8 @@ static void separate(segments *g)
     }
 }
 
-/* Nearest points of two segments (Ericson, Real-Time Collision Detection, 5.1.9), for unit directions. The sine
- * comes from the cross product: 1 - cosine^2 would lose half of the digits. */
+/* Nearest points of two segments (Ericson, Real-Time Collision Detection, 5.1.9), for unit
+ * directions. The sine comes from the cross product: 1 - cosine^2 would lose half of the digits. */
 static void nearest_points(segments *g)
 {
     double cross[3];
@@ -215,8 +221,8 @@ static void capsule_point(const pair_query *query, const segments *g, const doub
     point->b = end_feature(g->t, g->half[1]);
 }
 
-/* Both ends of the stretch where nearly parallel segments lie side by side, if they do not veer from each
- * other there: then the capsules touch along a line. */
+/* Both ends of the stretch where nearly parallel segments lie side by side, if they do not veer
+ * from each other there: then the capsules touch along a line. */
 static uint32_t capsule_line(const pair_query *query, const segments *g, double length,
                              const double normal[3], pair_point points[2])
 {
@@ -264,7 +270,7 @@ static void capsule_capsule(const pair_query *query, tribo_manifold *out)
     clip_finish(query, normal, g.half[0] + g.half[1], count, points, out);
 }
 
-/* ---- sphere and box ----------------------------------------------------------------------------- */
+/* ---- sphere and box ------------------------------------------------------------------------- */
 
 /* Inside: through the nearest face. The centre is (x, y, z) in the axes of the box. */
 static double leave_box(const double half[3], const double center[3], double normal[3])
@@ -304,7 +310,7 @@ static void sphere_box(const pair_query *query, tribo_manifold *out)
           pair_feature(0, PAIR_CURVED, place), out);
 }
 
-/* ---- half-space --------------------------------------------------------------------------------- */
+/* ---- half-space ----------------------------------------------------------------------------- */
 
 typedef struct plane {
     double normal[3];
@@ -453,7 +459,8 @@ static void box_plane(const pair_query *query, const plane *p, tribo_manifold *o
     }
 }
 
-/* Any convex shape: the corners of its lowest face, and its lowest point if that is none of them. */
+/* Any convex shape: the corners of its lowest face, and its lowest point if that is none of
+ * them. */
 static tribo_status convex_plane(const pair_query *query, const plane *p, tribo_manifold *out)
 {
     pair_face face;
@@ -507,23 +514,25 @@ static tribo_status half_space(const pair_query *query, tribo_manifold *out)
     }
 }
 
-/* ---- box and box: separating axes (Gottschalk, Lin, Manocha 1996) --------------------------------- */
+/* ---- box and box: separating axes (Gottschalk, Lin, Manocha 1996) --------------------------- */
 
 #define EDGES_PARALLEL 1e-28 /* square of the sine of the angle below which it is noise */
-#define NEARLY_FLAT 0.9995 /* cosine of a face with the normal, up to which an edge axis gives an area */
+#define NEARLY_FLAT \
+    0.9995 /* cosine of a face with the normal, up to which an edge axis gives an area */
 
 typedef struct boxes {
     const pair_query *query;
-    double r[3][3];   /* r[i][j]: axis i of A times axis j of B */
+    double r[3][3]; /* r[i][j]: axis i of A times axis j of B */
     double abs_r[3][3];
-    double ta[3];     /* offset along the axes of A */
-    double tb[3];     /* and of B */
+    double ta[3]; /* offset along the axes of A */
+    double tb[3]; /* and of B */
     const double *half_a;
     const double *half_b;
     double rounding; /* of a distance */
 } boxes;
 
-/* Best axis so far: 0 to 2 faces of A, 3 to 5 faces of B, 6 + 3 i + j edge i of A with edge j of B. */
+/* Best axis so far: 0 to 2 faces of A, 3 to 5 faces of B, 6 + 3 i + j edge i of A with edge j of
+ * B. */
 typedef struct best_axis {
     int which;
     double distance;
@@ -572,9 +581,10 @@ static void try_faces(const boxes *x, best_axis *best)
     }
 }
 
-/* Distance along the cross product c of edge i of A and edge j of B, times |c|. In the axes of A, c has the
- * components -r[i2][j] and r[i1][j] along i1 and i2. All widths are those of c as it is, with its rounding, so
- * that edges that are nearly parallel do no harm: the direction has noise, its distance has none. */
+/* Distance along the cross product c of edge i of A and edge j of B, times |c|. In the axes of A, c
+ * has the components -r[i2][j] and r[i1][j] along i1 and i2. All widths are those of c as it is,
+ * with its rounding, so that edges that are nearly parallel do no harm: the direction has noise,
+ * its distance has none. */
 static double edge_distance(const boxes *x, int i, int j, double *along)
 {
     const int i1 = i == 2 ? 0 : i + 1;
@@ -590,8 +600,8 @@ static double edge_distance(const boxes *x, int i, int j, double *along)
     return absolute(*along) - (reach_a + reach_b);
 }
 
-/* Edges must beat the best face clearly. Comparison by squares: the root is for the winner. Returns 0 as soon
- * as the boxes are apart by more than the margin. */
+/* Edges must beat the best face clearly. Comparison by squares: the root is for the winner. Returns
+ * 0 as soon as the boxes are apart by more than the margin. */
 static int try_edges(const boxes *x, best_axis *best)
 {
     double limit = best->distance + x->rounding;
@@ -604,8 +614,7 @@ static int try_edges(const boxes *x, best_axis *best)
             const double c2 = x->r[i == 2 ? 0 : i + 1][j];
             const double sine2 = c1 * c1 + c2 * c2;
             if (!(sine2 > EDGES_PARALLEL) ||
-                (distance < 0.0 &&
-                 !(limit < 0.0 && distance * distance < limit * limit * sine2))) {
+                (distance < 0.0 && !(limit < 0.0 && distance * distance < limit * limit * sine2))) {
                 continue;
             }
             const double scaled = distance / sqrt(sine2);
@@ -662,8 +671,8 @@ static void finish_faces(const boxes *x, const pair_face faces[2], const pair_ax
         clip_nothing(out);
         return;
     }
-    const double size = lesser(face_size(x->half_a, faces[0].feature),
-                               face_size(x->half_b, faces[1].feature));
+    const double size =
+        lesser(face_size(x->half_a, faces[0].feature), face_size(x->half_b, faces[1].feature));
     clip_finish(x->query, axis->normal, size, count, points, out);
 }
 
@@ -685,8 +694,8 @@ static void box_edge(const boxes *x, int side, uint32_t number, double at[3], do
     *half = size[i];
 }
 
-/* Corner or edge against corner or edge, apart from each other: no face lies over the other there. Which
- * features are nearest is found by looking at all edges. */
+/* Corner or edge against corner or edge, apart from each other: no face lies over the other there.
+ * Which features are nearest is found by looking at all edges. */
 static void nearest_edges(const boxes *x, const pair_axis *axis, tribo_manifold *out)
 {
     const pair_query *query = x->query;
@@ -724,7 +733,8 @@ static void nearest_edges(const boxes *x, const pair_axis *axis, tribo_manifold 
            pair_feature(6, PAIR_EDGE, numbers % 12), out);
 }
 
-/* Edge i of the box that is extreme along a direction: its middle, and its number among all twelve. */
+/* Edge i of the box that is extreme along a direction: its middle, and its number among all
+ * twelve. */
 static uint32_t extreme_edge(const double r[9], const double half[3], int i,
                              const double direction[3], double middle[3])
 {
@@ -773,7 +783,8 @@ static void touch_edges(const boxes *x, int i, int j, const pair_axis *axis, tri
            pair_feature(6, PAIR_EDGE, edge_b), out);
 }
 
-/* Points of two faces; boxes that are apart may have none that lie over each other, or not the nearest. */
+/* Points of two faces; boxes that are apart may have none that lie over each other, or not the
+ * nearest. */
 static void touch_faces(const boxes *x, const pair_face faces[2], int reference,
                         const pair_axis *axis, tribo_manifold *out)
 {
@@ -817,8 +828,8 @@ static void by_face_of_b(const boxes *x, int j, double distance, tribo_manifold 
     touch_faces(x, faces, 1, &axis, out);
 }
 
-/* The cross product of two edges. Between faces that are nearly flat on each other it tilts the normal a little;
- * then they touch along an area all the same. */
+/* The cross product of two edges. Between faces that are nearly flat on each other it tilts the
+ * normal a little; then they touch along an area all the same. */
 static void by_edges(const boxes *x, const best_axis *best, tribo_manifold *out)
 {
     const int i = (best->which - 6) / 3;
@@ -860,7 +871,7 @@ static void box_box(const pair_query *query, tribo_manifold *out)
     }
 }
 
-/* ---- all pairs ---------------------------------------------------------------------------------- */
+/* ---- all pairs ------------------------------------------------------------------------------ */
 
 int closed_exists(uint32_t type_a, uint32_t type_b)
 {

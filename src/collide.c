@@ -7,13 +7,13 @@
 
 #include <tribo/math.h>
 
-#define UNIT_TOLERANCE 1e-6  /* of quaternions, which are used as if normalised */
-#define BOUNDS_SLACK 1e-12   /* relative growth of bounds, so that rounding loses no pair */
-#define FLAT 1e-5            /* sine of the angle below which a normal is the triangle's own */
+#define UNIT_TOLERANCE 1e-6 /* of quaternions, which are used as if normalised */
+#define BOUNDS_SLACK 1e-12  /* relative growth of bounds, so that rounding loses no pair */
+#define FLAT 1e-5           /* sine of the angle below which a normal is the triangle's own */
 
 enum { FEW = 8 }; /* manifolds that are kept on the stack until all is known to be well */
 
-/* ---- judging -------------------------------------------------------------------------------------- */
+/* ---- judging -------------------------------------------------------------------------------- */
 
 static int size_is_known(uint32_t size, size_t newest)
 {
@@ -85,7 +85,7 @@ static tribo_status check_pair(const tribo_shape *shape_a, const tribo_pose *pos
     return status == TRIBO_OK ? check_kinds(shape_a->type, shape_b->type) : status;
 }
 
-/* ---- one convex pair ------------------------------------------------------------------------------ */
+/* ---- one convex pair ------------------------------------------------------------------------ */
 
 /* Which of two lists of numbers comes first: -1, 0 or 1. */
 static int compare(const double *x, const double *y, int count)
@@ -98,8 +98,8 @@ static int compare(const double *x, const double *y, int count)
     return 0;
 }
 
-/* Whether the pair is to be seen the other way round. Each pair is done in one order only, so that swapping A
- * and B swaps the answer to the bit. */
+/* Whether the pair is to be seen the other way round. Each pair is done in one order only, so that
+ * swapping A and B swaps the answer to the bit. */
 static int is_turned(const pair_query *q)
 {
     static const double origin[3] = {0.0, 0.0, 0.0};
@@ -143,9 +143,9 @@ static tribo_status in_order(const pair_query *query, uint32_t method, tribo_man
                              tribo_collide_info *info)
 {
     const int is_closed = closed_exists(query->a->type, query->b->type);
-    if (method == TRIBO_METHOD_CLOSED ? !is_closed
-                                      : method == TRIBO_METHOD_GENERAL &&
-                                            query->b->type == TRIBO_SHAPE_HALFSPACE) {
+    if (method == TRIBO_METHOD_CLOSED
+            ? !is_closed
+            : method == TRIBO_METHOD_GENERAL && query->b->type == TRIBO_SHAPE_HALFSPACE) {
         return TRIBO_ERROR_OPTION;
     }
     if (!is_closed || method == TRIBO_METHOD_GENERAL) {
@@ -203,7 +203,7 @@ static tribo_status take_query(const tribo_shape *shape_a, const tribo_pose *pos
     return all_finite(query->offset, 3) ? TRIBO_OK : TRIBO_ERROR_RANGE;
 }
 
-/* ---- parts ---------------------------------------------------------------------------------------- */
+/* ---- parts ---------------------------------------------------------------------------------- */
 
 /* Manifolds in the order of their children. Beyond the capacity they are only counted. */
 typedef struct sink {
@@ -307,10 +307,10 @@ static int is_far(const pair_query *q)
     return tribo_vec3_norm(other) > (radius[0] + radius[1] + q->margin) * (1.0 + BOUNDS_SLACK);
 }
 
-/* ---- meshes --------------------------------------------------------------------------------------- */
+/* ---- meshes --------------------------------------------------------------------------------- */
 
-/* A triangle for the general method: a convex shape whose origin is its first vertex, so that far from the
- * mesh's origin nothing more is lost. */
+/* A triangle for the general method: a convex shape whose origin is its first vertex, so that far
+ * from the mesh's origin nothing more is lost. */
 typedef struct triangle {
     tribo_convex convex;
     tribo_shape shape;
@@ -372,8 +372,8 @@ static void take_triangle(const mesh_triangle *from, triangle *out)
     out->shape.data = &out->convex;
 }
 
-/* Nearest point of a triangle to the origin, by regions (Ericson, Real-Time Collision Detection, 5.1.5), from
- * a = vertex and its edges. */
+/* Nearest point of a triangle to the origin, by regions (Ericson, Real-Time Collision Detection,
+ * 5.1.5), from a = vertex and its edges. */
 static void nearest_of_triangle(const double v[9], double out[3])
 {
     double best = (double)INFINITY;
@@ -419,8 +419,8 @@ static void sphere_axis(const pair_query *q, const pair_face *face, pair_axis *a
     axis->distance = length - q->a->size[0];
 }
 
-/* Whether a normal leans over edges that bodies may touch, and over no other: what is nearest beyond an edge
- * inside of the surface belongs to the neighbour. */
+/* Whether a normal leans over edges that bodies may touch, and over no other: what is nearest
+ * beyond an edge inside of the surface belongs to the neighbour. */
 static int leans_over_active(const pair_face *face, uint32_t flags, const double normal[3])
 {
     int active = 0;
@@ -439,7 +439,8 @@ static int leans_over_active(const pair_face *face, uint32_t flags, const double
     return active;
 }
 
-/* Whether the core of A lies behind the triangle: then it has come from there, and is let through. */
+/* Whether the core of A lies behind the triangle: then it has come from there, and is let
+ * through. */
 static int is_behind(const pair_query *q, const pair_face *face)
 {
     double center[3];
@@ -463,8 +464,9 @@ static void place_triangle(const pair_query *q, const mesh_triangle *from, const
     }
 }
 
-/* Whether the lowest point of A is over the triangle and no deeper than A is thick. Then the triangle holds it,
- * even if what is left of A passes beside the triangle: a tip that has sunk in through a neighbour. */
+/* Whether the lowest point of A is over the triangle and no deeper than A is thick. Then the
+ * triangle holds it, even if what is left of A passes beside the triangle: a tip that has sunk in
+ * through a neighbour. */
 static int holds_lowest(const pair_query *q, const pair_face *face)
 {
     const double down[3] = {0.0 - face->normal[0], 0.0 - face->normal[1], 0.0 - face->normal[2]};
@@ -510,8 +512,7 @@ static tribo_status triangle_axis(const pair_query *q, const pair_face *face, pa
 
 /* The edges inside of the surface are none to the body: there the normal is the triangle's own. */
 static tribo_status touch_triangle(const pair_query *q, const mesh_triangle *from,
-                                   const triangle *t, tribo_manifold *out,
-                                   tribo_collide_info *info)
+                                   const triangle *t, tribo_manifold *out, tribo_collide_info *info)
 {
     pair_face face;
     pair_axis axis;
@@ -536,8 +537,7 @@ static tribo_status touch_triangle(const pair_query *q, const mesh_triangle *fro
     } else {
         clip_onto(q, &face, out);
     }
-    out->method =
-        q->a->type == TRIBO_SHAPE_SPHERE ? TRIBO_METHOD_CLOSED : TRIBO_METHOD_GENERAL;
+    out->method = q->a->type == TRIBO_SHAPE_SPHERE ? TRIBO_METHOD_CLOSED : TRIBO_METHOD_GENERAL;
     return check_manifold(out);
 }
 
@@ -607,7 +607,7 @@ static void copy_manifold(const tribo_manifold *from, tribo_manifold *to)
     memcpy(to, from, offsetof(tribo_manifold, points) + from->count * sizeof *from->points);
 }
 
-/* ---- all parts of a pair ---------------------------------------------------------------------------- */
+/* ---- all parts of a pair -------------------------------------------------------------------- */
 
 static tribo_status touch_parts(const pair_query *whole, uint32_t method, const part *a,
                                 const part *b, sink *to, tribo_collide_info *info)
@@ -657,8 +657,8 @@ static int is_simple(const tribo_shape *shape)
     return is_convex(shape->type) || shape->type == TRIBO_SHAPE_HALFSPACE;
 }
 
-/* Few manifolds wait on the stack. Of many only the number is known after the first round; a second one writes
- * them out when nothing can fail any more but a library's memory. */
+/* Few manifolds wait on the stack. Of many only the number is known after the first round; a second
+ * one writes them out when nothing can fail any more but a library's memory. */
 static tribo_status collide_parts(const pair_query *whole, uint32_t method, uint32_t capacity,
                                   tribo_manifold *manifolds, uint32_t *count,
                                   tribo_collide_info *info)
@@ -792,8 +792,8 @@ tribo_status tribo_collide_batch(uint32_t shape_count, const tribo_shape *shapes
         return first;
     }
     for (size_t i = 0; i < count; i++) {
-        const tribo_status status = batch_pair(shape_count, shapes, poses, pairs + 2 * i, &known,
-                                               &manifolds[i], &full);
+        const tribo_status status =
+            batch_pair(shape_count, shapes, poses, pairs + 2 * i, &known, &manifolds[i], &full);
         if (statuses) {
             statuses[i] = status;
         }

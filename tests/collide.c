@@ -1,5 +1,5 @@
-/* Manifolds: closed forms against values by hand, boxes against separating axes by brute force, the area and
- * place of the points, equivariance, parts, judging. */
+/* Manifolds: closed forms against values by hand, boxes against separating axes by brute force, the
+ * area and place of the points, equivariance, parts, judging. */
 #include <tribo/collide.h>
 #include <tribo/math.h>
 
@@ -16,7 +16,7 @@
 #define NOT_A_NUMBER ((double)NAN)
 #define INFINITE ((double)INFINITY)
 
-/* ---- random input ------------------------------------------------------------------------------ */
+/* ---- random input --------------------------------------------------------------------------- */
 
 static uint64_t seed = 1;
 
@@ -68,7 +68,7 @@ static double random_length(double low, double high)
     return exp(between(log(low), log(high)));
 }
 
-/* ---- shapes and calls --------------------------------------------------------------------------- */
+/* ---- shapes and calls ----------------------------------------------------------------------- */
 
 static tribo_shape make(uint32_t type, double x, double y, double z)
 {
@@ -150,11 +150,11 @@ static void assert_vector(const double v[3], double x, double y, double z, doubl
     assert_near(v[2], z, tolerance);
 }
 
-/* ---- closed forms against values by hand ---------------------------------------------------------- */
+/* ---- closed forms against values by hand ---------------------------------------------------- */
 
 /* A pair with one point: its normal, place (from A, who stands at the origin) and distance. */
-static void expect_point(tribo_shape a, tribo_pose pa, tribo_shape b, tribo_pose pb, const double n[3],
-                         const double place[3], double distance)
+static void expect_point(tribo_shape a, tribo_pose pa, tribo_shape b, tribo_pose pb,
+                         const double n[3], const double place[3], double distance)
 {
     const tribo_collide_options options = with_margin(1.0);
     const tribo_manifold m = pair_of(&a, &pa, &b, &pb, &options);
@@ -184,7 +184,8 @@ static void spheres_by_hand(void **state)
     expect_point(one, at(0, 0, 0), one, at(0, 0, 0), z, (const double[]){0, 0, 0}, -2.0);
     /* barrel, cap, and on the segment */
     expect_point(one, at(1, 0, 1), capsule, at(0, 0, 0), x, (const double[]){0.25, 0, 1}, -0.5);
-    expect_point(one, at(0, 0, 3.25), capsule, at(0, 0, 0), z, (const double[]){0, 0, 2.375}, -0.25);
+    expect_point(one, at(0, 0, 3.25), capsule, at(0, 0, 0), z, (const double[]){0, 0, 2.375},
+                 -0.25);
     expect_point(one, at(0, 0, 1), capsule, at(0, 0, 0), x, (const double[]){-0.25, 0, 1}, -1.5);
     /* outside of a face and of an edge, inside, at the centre */
     expect_point(half, at(0, 0, 3.25), box, at(0, 0, 0), z, (const double[]){0, 0, 2.875}, -0.25);
@@ -217,7 +218,8 @@ static void capsules_by_hand(void **state)
         assert_near(m.points[k].arm_b[0], 0.1875, 1e-15);
         assert_near(fabs(m.points[k].arm_b[2]), 1.0, 1e-15);
     }
-    /* segments that cross, touch with an end, or lie in each other: depth is the sum of the radii */
+    /* segments that cross, touch with an end, or lie in each other: depth is the sum of the
+     * radii */
     const tribo_pose places[5] = {at(0, 0, 0), at(0, 0, 2), at(0, 1, 2), at(0, 0, 1), at(0, 0, 3)};
     for (int k = 0; k < 5; k++) {
         tribo_pose p = places[k];
@@ -244,7 +246,8 @@ static void planes_by_hand(void **state)
     const double z[3] = {0, 0, 1};
     expect_point(sphere, at(3, 4, 0.75), plane, ground, z, (const double[]){3, 4, -0.125}, -0.25);
     expect_point(sphere, at(3, 4, 1.25), plane, ground, z, (const double[]){3, 4, 0.125}, 0.25);
-    expect_point(ellipsoid, at(3, 4, 2.75), plane, ground, z, (const double[]){3, 4, -0.125}, -0.25);
+    expect_point(ellipsoid, at(3, 4, 2.75), plane, ground, z, (const double[]){3, 4, -0.125},
+                 -0.25);
     const tribo_shape *shapes[4] = {&box, &capsule, &cylinder, &cone};
     const double heights[4] = {2.75, 0.25, 1.75, 1.75};
     const double tilts[4] = {0.0, 1.5707963267948966, 0.0, 0.0};
@@ -266,7 +269,7 @@ static void planes_by_hand(void **state)
     assert_near(deepest(&m), lowest, 1e-15);
 }
 
-/* ---- boxes: truth by brute force ------------------------------------------------------------------ */
+/* ---- boxes: truth by brute force ------------------------------------------------------------ */
 
 typedef long double real;
 
@@ -277,7 +280,10 @@ typedef struct solid_box {
 
 static void rotate_exactly(const double q[4], real r[3][3])
 {
-    const real w = q[0], x = q[1], y = q[2], z = q[3];
+    const real w = (real)q[0];
+    const real x = (real)q[1];
+    const real y = (real)q[2];
+    const real z = (real)q[3];
     const real s = 2.0L / (w * w + x * x + y * y + z * z);
     const real full[3][3] = {
         {1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y)},
@@ -361,7 +367,8 @@ static real true_depth(const solid_box *a, const solid_box *b)
     return least;
 }
 
-/* How far B can go along a direction until the depth has fallen to `depth`: all widths are linear in it. */
+/* How far B can go along a direction until the depth has fallen to `depth`: all widths are linear
+ * in it. */
 static double way_to_depth(const solid_box *a, const solid_box *b, const double direction[3],
                            double depth)
 {
@@ -370,8 +377,9 @@ static double way_to_depth(const solid_box *a, const solid_box *b, const double 
     const int count = take_axes(a, b, axes);
     for (int k = 0; k < count; k++) {
         const real *n = axes[k];
-        const real slope = n[0] * direction[0] + n[1] * direction[1] + n[2] * direction[2];
-        const real most = (width_along(a, b, n) - depth) / -slope;
+        const real slope = n[0] * (real)direction[0] + n[1] * (real)direction[1] +
+                           n[2] * (real)direction[2];
+        const real most = (width_along(a, b, n) - (real)depth) / -slope;
         way = slope < -1e-9L && most < way ? most : way;
     }
     return way > 0 ? (double)way : 0.0;
@@ -393,20 +401,11 @@ static real depth_of(const box_case *c)
     return true_depth(&a, &b);
 }
 
-enum {
-    RANDOM,
-    SLENDER,
-    FACE_ALIGNED,
-    EDGE_ALIGNED,
-    FACE_TILTED,
-    CONCENTRIC,
-    PLATES,
-    BOX_CLASSES
-};
+enum { RANDOM, SLENDER, FACE_ALIGNED, EDGE_ALIGNED, FACE_TILTED, CONCENTRIC, PLATES, BOX_CLASSES };
 
 static const char *const box_names[BOX_CLASSES] = {
-    "random",      "aspect 1e4", "face-aligned", "edge-aligned", "tilted 1e-8..1e-2",
-    "concentric",  "plates 2000:1",
+    "random",     "aspect 1e4",    "face-aligned", "edge-aligned", "tilted 1e-8..1e-2",
+    "concentric", "plates 2000:1",
 };
 
 static void random_sizes(int class, double scale, double h[3])
@@ -440,13 +439,14 @@ static void relative_turn(int class, double q[4])
         spin[2] = uniform() < 0.5 ? 0.0 : between(-3.0, 3.0);
     } else {
         spin[(int)(3.0 * uniform())] = class == EDGE_ALIGNED ? 0.78539816339744830962
-                                                             : uniform() < 0.5 ? 0.0
-                                                                               : between(-3.0, 3.0);
+                                       : uniform() < 0.5     ? 0.0
+                                                             : between(-3.0, 3.0);
     }
     if (class == FACE_TILTED || class == PLATES) {
         double tilt[3];
         random_direction(tilt);
-        const double size = class == PLATES ? random_length(1e-12, 1e-6) : random_length(1e-8, 1e-2);
+        const double size =
+            class == PLATES ? random_length(1e-12, 1e-6) : random_length(1e-8, 1e-2);
         for (int i = 0; i < 3; i++) {
             spin[i] += uniform() < 0.3 ? 0.0 : size * tilt[i];
         }
@@ -489,7 +489,8 @@ static void make_case(int class, double depth, double offset, box_case *c)
         }
         return;
     }
-    /* Along a random direction, or along a face normal and a step aside, until the depth is right. */
+    /* Along a random direction, or along a face normal and a step aside, until the depth is
+     * right. */
     double side[3] = {0.0, 0.0, 0.0};
     random_direction(direction);
     if (class == PLATES || (class != RANDOM && class != SLENDER && uniform() < 0.7)) {
@@ -542,7 +543,7 @@ static void judge_case(const box_case *c, const tribo_manifold *m, tally *t)
         t->missed += depth > (real)rounding;
         return;
     }
-    const real n[3] = {m->normal[0], m->normal[1], m->normal[2]};
+    const real n[3] = {(real)m->normal[0], (real)m->normal[1], (real)m->normal[2]};
     take_box(&c->a, &c->pa, c->pa.position, &a);
     take_box(&c->b, &c->pb, c->pa.position, &b);
     const real width = width_along(&a, &b, n);
@@ -554,12 +555,12 @@ static void judge_case(const box_case *c, const tribo_manifold *m, tally *t)
     t->distance = fmax(t->distance, fabs((double)((real)deepest(m) + width)) / c->large);
     for (uint32_t k = 0; k < m->count; k++) {
         const tribo_point *p = &m->points[k];
-        const double out = fmax(outside_by(&c->a, &c->pa, p->arm_a),
-                                outside_by(&c->b, &c->pb, p->arm_b)) -
-                           0.5 * fabs(p->distance);
+        const double out =
+            fmax(outside_by(&c->a, &c->pa, p->arm_a), outside_by(&c->b, &c->pb, p->arm_b)) -
+            0.5 * fabs(p->distance);
         t->outside = fmax(t->outside, out / c->large);
-        t->displaced += apart(p->arm_a, p->arm_b) >
-                        apart(c->pa.position, c->pb.position) + 1e-12 * c->large;
+        t->displaced +=
+            apart(p->arm_a, p->arm_b) > apart(c->pa.position, c->pb.position) + 1e-12 * c->large;
     }
 }
 
@@ -570,7 +571,7 @@ static void try_classes(uint32_t method, int pairs, tally t[BOX_CLASSES])
     options.method = method;
     memset(t, 0, BOX_CLASSES * sizeof *t);
     print_message("# boxes: pairs, missed, wrong directions, excess of width, errors / size\n");
-    for (int class = 0; class < BOX_CLASSES; class++) {
+    for (int class = 0; class < BOX_CLASSES; class ++) {
         for (int i = 0; i < pairs; i++) {
             box_case c;
             make_case(class, depths[i % 6], i % 12 < 6 ? 0.0 : 1e6, &c);
@@ -588,7 +589,7 @@ static void boxes_against_separating_axes(void **state)
     tally t[BOX_CLASSES];
     (void)state;
     try_classes(TRIBO_METHOD_CLOSED, 14400, t);
-    for (int class = 0; class < BOX_CLASSES; class++) {
+    for (int class = 0; class < BOX_CLASSES; class ++) {
         assert_int_equal(t[class].missed, 0);
         assert_int_equal(t[class].wrong, 0);
         assert_int_equal(t[class].displaced, 0);
@@ -603,7 +604,7 @@ static void boxes_by_the_general_method(void **state)
     tally t[BOX_CLASSES];
     (void)state;
     try_classes(TRIBO_METHOD_GENERAL, 1200, t);
-    for (int class = 0; class < BOX_CLASSES; class++) {
+    for (int class = 0; class < BOX_CLASSES; class ++) {
         assert_int_equal(t[class].missed, 0);
         assert_int_equal(t[class].wrong, 0);
         assert_int_equal(t[class].displaced, 0);
@@ -611,8 +612,8 @@ static void boxes_by_the_general_method(void **state)
     }
 }
 
-/* Plates 2000:1 that lie on each other, near enough to flat: the normal is that of a face to the bit, however large
- * the lever of its noise would be. */
+/* Plates 2000:1 that lie on each other, near enough to flat: the normal is that of a face to the
+ * bit, however large the lever of its noise would be. */
 static void plates_take_a_face_normal(void **state)
 {
     tribo_collide_options options = with_margin(0.0);
@@ -639,7 +640,7 @@ static void plates_take_a_face_normal(void **state)
     }
 }
 
-/* ---- separated boxes ------------------------------------------------------------------------------- */
+/* ---- separated boxes ------------------------------------------------------------------------ */
 
 static real distance_to_box(const solid_box *x, const real p[3])
 {
@@ -655,7 +656,8 @@ static real distance_to_box(const solid_box *x, const real p[3])
     return sqrtl(square);
 }
 
-/* Distance of the segments p + s d and q + t e, s and t in [0, 1], by trying all of the edge's cases. */
+/* Distance of the segments p + s d and q + t e, s and t in [0, 1], by trying all of the edge's
+ * cases. */
 static real distance_of_edges(const real p[3], const real p1[3], const real q[3], const real q1[3])
 {
     real dd = 0, ee = 0, de = 0, dr = 0, er = 0;
@@ -716,8 +718,8 @@ static real true_distance(const solid_box *a, const solid_box *b)
     return least;
 }
 
-/* Boxes apart are reported if, and only if, they are not farther apart than the margin; no point is nearer than
- * the truth, and each lies between the surfaces. */
+/* Boxes apart are reported if, and only if, they are not farther apart than the margin; no point is
+ * nearer than the truth, and each lies between the surfaces. */
 static void boxes_within_the_margin(void **state)
 {
     (void)state;
@@ -763,14 +765,15 @@ static void boxes_within_the_margin(void **state)
     assert_true(worst <= 1e-9);
 }
 
-/* ---- the area of the points ------------------------------------------------------------------------ */
+/* ---- the area of the points ----------------------------------------------------------------- */
 
 /* Twice the area of the convex hull of points in the plane, by gift wrapping. */
 static double hull_area(double (*p)[2], int count)
 {
     int start = 0;
     for (int i = 1; i < count; i++) {
-        start = p[i][0] < p[start][0] || (p[i][0] == p[start][0] && p[i][1] < p[start][1]) ? i : start;
+        start =
+            p[i][0] < p[start][0] || (p[i][0] == p[start][0] && p[i][1] < p[start][1]) ? i : start;
     }
     double sum = 0.0;
     int from = start;
@@ -790,8 +793,8 @@ static double hull_area(double (*p)[2], int count)
     return sum;
 }
 
-/* Corners of the overlap of a rectangle about the origin and one at (x, y), turned by `angle`: corners of one in
- * the other, and all crossings of sides. */
+/* Corners of the overlap of a rectangle about the origin and one at (x, y), turned by `angle`:
+ * corners of one in the other, and all crossings of sides. */
 static int overlap_corners(const double h[2], const double g[2], double x, double y, double angle,
                            double (*out)[2])
 {
@@ -866,8 +869,8 @@ static void note(ratios *r, double ratio)
     r->count++;
 }
 
-/* A box on a plate of 2 x 2, flat or tilted a little. The overlap has up to eight corners, of which four are
- * kept: all of its area where it has no more, else nearly what the best four have. */
+/* A box on a plate of 2 x 2, flat or tilted a little. The overlap has up to eight corners, of which
+ * four are kept: all of its area where it has no more, else nearly what the best four have. */
 static void points_keep_the_area(void **state)
 {
     static const double plate[2] = {1.0, 1.0};
@@ -900,11 +903,14 @@ static void points_keep_the_area(void **state)
         }
         const double mine = hull_area(points, (int)m.count);
         note(&all, mine / area);
-        note(corners <= 4 ? &few : tilt == 0.0 ? &flat : &tilted,
+        note(corners <= 4  ? &few
+             : tilt == 0.0 ? &flat
+                           : &tilted,
              mine / (corners <= 4 ? area : best_four(truth, corners)));
     }
-    print_message("# area over the true overlap: mean %.4f worst %.4f; up to four corners: worst %.9f\n",
-                  all.sum / (double)all.count, all.worst, few.worst);
+    print_message(
+        "# area over the true overlap: mean %.4f worst %.4f; up to four corners: worst %.9f\n",
+        all.sum / (double)all.count, all.worst, few.worst);
     print_message("# over the best four of more: flat mean %.4f worst %.4f, tilted mean %.4f worst "
                   "%.4f\n",
                   flat.sum / (double)flat.count, flat.worst, tilted.sum / (double)tilted.count,
@@ -915,7 +921,7 @@ static void points_keep_the_area(void **state)
     assert_true(tilted.sum / (double)tilted.count >= 0.97);
 }
 
-/* ---- the same answer from elsewhere ------------------------------------------------------------------ */
+/* ---- the same answer from elsewhere --------------------------------------------------------- */
 
 enum { KINDS = 8 };
 
@@ -987,8 +993,8 @@ static int is_mirror(const tribo_manifold *m, const tribo_manifold *n, double sc
     for (uint32_t k = 0; same && k < m->count; k++) {
         const tribo_point *p = &m->points[k];
         const tribo_point *q = &n->points[k];
-        same = same_number(scale * p->distance, q->distance) &&
-               (p->id << 32 | p->id >> 32) == q->id;
+        same =
+            same_number(scale * p->distance, q->distance) && (p->id << 32 | p->id >> 32) == q->id;
         for (int i = 0; i < 3; i++) {
             same = same && same_number(scale * p->arm_a[i], q->arm_b[i]) &&
                    same_number(scale * p->arm_b[i], q->arm_a[i]);
@@ -1017,15 +1023,15 @@ static void swap_offset_and_scale_change_no_bit(void **state)
         }
         const tribo_manifold m = pair_of(&a, &pa, &b, &pb, &options);
         touching += m.count > 0;
-        assert_true(is_mirror(&m, (const tribo_manifold[]){pair_of(&b, &pb, &a, &pa, &options)},
-                              1.0));
+        assert_true(
+            is_mirror(&m, (const tribo_manifold[]){pair_of(&b, &pb, &a, &pa, &options)}, 1.0));
         const double far = 0x1p20;
         pa.position[0] += far;
         pb.position[0] += far;
         pa.position[2] -= far;
         pb.position[2] -= far;
-        assert_true(is_mirror(&m, (const tribo_manifold[]){pair_of(&b, &pb, &a, &pa, &options)},
-                              1.0));
+        assert_true(
+            is_mirror(&m, (const tribo_manifold[]){pair_of(&b, &pb, &a, &pa, &options)}, 1.0));
         if (a.type == TRIBO_SHAPE_HULL || b.type == TRIBO_SHAPE_HULL) {
             continue;
         }
@@ -1040,8 +1046,8 @@ static void swap_offset_and_scale_change_no_bit(void **state)
             pa.position[k] *= scale;
             pb.position[k] *= scale;
         }
-        assert_true(is_mirror(&m, (const tribo_manifold[]){pair_of(&b, &pb, &a, &pa, &scaled)},
-                              scale));
+        assert_true(
+            is_mirror(&m, (const tribo_manifold[]){pair_of(&b, &pb, &a, &pa, &scaled)}, scale));
     }
     print_message("# %ld pairs that touch\n", touching);
     assert_true(touching > 5000);
@@ -1085,8 +1091,8 @@ static void rigid_motion_turns_the_answer(void **state)
         assert_true(apart(back, m.normal) <= 1e-9);
         assert_int_equal(m.count, n.count);
     }
-    print_message("# depths change by %.1e (closed), %.1e of themselves (general) at most\n", closed,
-                  general);
+    print_message("# depths change by %.1e (closed), %.1e of themselves (general) at most\n",
+                  closed, general);
     assert_true(closed <= 1e-14);
     assert_true(general <= 0.01);
 }
@@ -1108,9 +1114,9 @@ static void ids_survive_small_motions(void **state)
     long all = 0;
     for (int i = 0; i < 4000; i++) {
         const tribo_shape a = make(TRIBO_SHAPE_BOX, between(0.3, 0.6), between(0.3, 0.6), 0.3);
-        const tribo_shape ground = i % 2 == 0
-                                       ? make(TRIBO_SHAPE_BOX, 1.0, 1.0, 0.5)
-                                       : (tribo_shape){TRIBO_SHAPE_HALFSPACE, 0, {0, 0, 1, 0.5}, NULL};
+        const tribo_shape ground =
+            i % 2 == 0 ? make(TRIBO_SHAPE_BOX, 1.0, 1.0, 0.5)
+                       : (tribo_shape){TRIBO_SHAPE_HALFSPACE, 0, {0, 0, 1, 0.5}, NULL};
         const tribo_pose origin = at(0, 0, 0);
         const double x = between(-1.0, 1.0);
         const double y = between(-1.0, 1.0);
@@ -1135,7 +1141,7 @@ static void ids_survive_small_motions(void **state)
     assert_true((double)kept >= 0.99 * (double)all);
 }
 
-/* ---- degenerate places ------------------------------------------------------------------------------ */
+/* ---- degenerate places ---------------------------------------------------------------------- */
 
 static void no_place_gives_what_is_no_number(void **state)
 {
@@ -1146,8 +1152,8 @@ static void no_place_gives_what_is_no_number(void **state)
         for (int k = 0; k < 6; k++) {
             for (int axis = 0; axis < 4; axis++) {
                 const tribo_shape a = kind_of(i % KINDS);
-                const tribo_shape b = uniform() < 0.5 && i % KINDS == i / KINDS ? a
-                                                                               : kind_of(i / KINDS);
+                const tribo_shape b =
+                    uniform() < 0.5 && i % KINDS == i / KINDS ? a : kind_of(i / KINDS);
                 if (a.type == TRIBO_SHAPE_HALFSPACE && b.type == TRIBO_SHAPE_HALFSPACE) {
                     continue;
                 }
@@ -1165,20 +1171,22 @@ static void no_place_gives_what_is_no_number(void **state)
                 assert_near(norm(m.normal), 1.0, 1e-14);
                 for (uint32_t c = 0; c < m.count; c++) {
                     const tribo_point *p = &m.points[c];
-                    assert_true(p->distance <= 1e-14 && norm(p->arm_a) < 1e3 && norm(p->arm_b) < 1e3);
+                    assert_true(p->distance <= 1e-14 && norm(p->arm_a) < 1e3 &&
+                                norm(p->arm_b) < 1e3);
                 }
             }
         }
     }
 }
 
-/* ---- parts ------------------------------------------------------------------------------------------ */
+/* ---- parts ---------------------------------------------------------------------------------- */
 
 static uint32_t all_of(const tribo_shape *a, tribo_pose pa, const tribo_shape *b, tribo_pose pb,
                        uint32_t capacity, tribo_manifold *m)
 {
     uint32_t count = 0;
-    assert_int_equal(tribo_collide_shapes(a, &pa, b, &pb, NULL, capacity, m, &count, NULL), TRIBO_OK);
+    assert_int_equal(tribo_collide_shapes(a, &pa, b, &pb, NULL, capacity, m, &count, NULL),
+                     TRIBO_OK);
     return count;
 }
 
@@ -1218,7 +1226,8 @@ static void compounds_are_their_parts(void **state)
 
 static double ground[4096];
 
-/* Terrain: a square of two triangles in each cell of a grid of 8 x 8 cells, flat or like a roof along x = 4. */
+/* Terrain: a square of two triangles in each cell of a grid of 8 x 8 cells, flat or like a roof
+ * along x = 4. */
 static tribo_shape terrain(double slope)
 {
     double vertices[81][3];
@@ -1234,14 +1243,15 @@ static tribo_shape terrain(double slope)
         memcpy(triangles[2 * c], corners, sizeof corners);
     }
     size_t needed = 0;
-    const tribo_status status = tribo_mesh_build(81, vertices[0], 128, triangles[0], ground,
-                                                 sizeof ground, &needed);
+    const tribo_status status =
+        tribo_mesh_build(81, vertices[0], 128, triangles[0], ground, sizeof ground, &needed);
     assert_int_equal(status, TRIBO_OK);
     const tribo_shape mesh = {TRIBO_SHAPE_MESH, 0, {0, 0, 0, 0}, ground};
     return mesh;
 }
 
-/* Whatever rolls or slides on flat terrain meets normals straight up only, and nothing but its depth. */
+/* Whatever rolls or slides on flat terrain meets normals straight up only, and nothing but its
+ * depth. */
 static void inner_edges_do_not_show(void **state)
 {
     (void)state;
@@ -1289,7 +1299,7 @@ static void ridges_show(void **state)
     }
 }
 
-/* ---- judging ---------------------------------------------------------------------------------------- */
+/* ---- judging -------------------------------------------------------------------------------- */
 
 typedef struct call {
     const tribo_shape *a, *b;
@@ -1470,12 +1480,14 @@ static void options_and_counters(void **state)
     const tribo_pose middle = at(4, 4, 0.4375);
     tribo_manifold many[128];
     memset(many, 0x5a, sizeof many);
-    assert_int_equal(tribo_collide_shapes(&slab, &middle, &mesh, &here, NULL, 20, many, &count, NULL),
-                     TRIBO_ERROR_CAPACITY);
+    assert_int_equal(
+        tribo_collide_shapes(&slab, &middle, &mesh, &here, NULL, 20, many, &count, NULL),
+        TRIBO_ERROR_CAPACITY);
     assert_true(count >= 32 && many[0].count == 0x5a5a5a5a);
     const uint32_t needed = count;
     assert_int_equal(
-        tribo_collide_shapes(&slab, &middle, &mesh, &here, NULL, needed, many, &count, NULL), TRIBO_OK);
+        tribo_collide_shapes(&slab, &middle, &mesh, &here, NULL, needed, many, &count, NULL),
+        TRIBO_OK);
     assert_int_equal(count, needed);
 }
 
@@ -1500,9 +1512,9 @@ static void batches_are_single_calls(void **state)
     pairs[0] = pairs[1] = 3;
     pairs[2] = SHAPES;
     memset(batch, 0x5a, sizeof batch);
-    assert_int_equal(tribo_collide_batch(SHAPES, shapes, poses, PAIRS, pairs, NULL, batch, statuses,
-                                         &info),
-                     TRIBO_ERROR_ALIAS);
+    assert_int_equal(
+        tribo_collide_batch(SHAPES, shapes, poses, PAIRS, pairs, NULL, batch, statuses, &info),
+        TRIBO_ERROR_ALIAS);
     assert_int_equal(statuses[0], TRIBO_ERROR_ALIAS);
     assert_int_equal(statuses[1], TRIBO_ERROR_INDEX);
     assert_int_equal(batch[1].count, 0x5a5a5a5a);
