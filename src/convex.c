@@ -1,22 +1,26 @@
 /* Axis of least translation of two convex shapes, by their support functions alone.
  *
- * Both shapes enter as one convex set M = B - A, its points relative to where A is. The width
- * of the pair along a unit direction n is w(n) = max { n . m : m in M }: the way A has to be
- * moved along n until the two part, and the same number negative, the gap between them, once
- * they have. The answer is the n of least w, and every support call tells w exactly for its own
- * direction. So nothing here is trusted but these widths: libccd's MPR and EPA are asked where
- * to look, descent says how deep it goes from there, and the least width seen wins.
+ * Both shapes enter as one convex set M = B - A, its points relative to where A is; of spheres and
+ * capsules only their points and segments do, their radii are added to the width afterwards. The
+ * width of the pair along a unit direction n is w(n) = max { n . m : m in M }: the way A has to be
+ * moved along n until the two part, and the same number negative, the gap between them, once they
+ * have. The answer is the n of least w, and every support call tells w exactly for its own
+ * direction. So nothing here is trusted but these widths: the least that was seen wins.
  *
- * - MPR (Snethen 2008) gives a start, rarely the minimum. Its loops have no limit: see
+ * - libccd's MPR (Snethen 2008) gives a start, rarely the minimum. Its loops have no limit: see
  *   `bounded`.
- * - Descent. w is convex, the unit sphere is not. Move M by -s n, s a little more than w(n), so
- *   that it leaves the origin, and let n' point from its nearest point to the origin: then
- *   w(n') <= w(n) - s (1 - n . n'). This is the convex-concave procedure; it ends in a local
- *   minimum. Distances by GJK (Gilbert, Johnson, Keerthi 1988), own, because libccd answers no
- *   distance query and its tolerances are absolute.
- * - EPA (van den Bergen 2001) sees all of M: it says whether another local minimum lies deeper.
- * - Where faces or edges meet the minimum is a kink of w, whose direction is known to the bit
- *   from the faces. */
+ * - Kinks. Where faces or edges meet, the direction is known to the bit from the faces.
+ * - Newton where M is smooth, along a great circle where an edge meets a curved place.
+ * - Descent everywhere else. w is convex, the unit sphere is not. Move M by -s n, s a little more
+ *   than w(n), so that it leaves the origin, and let n' point from its nearest point to the
+ *   origin: then w(n') <= w(n) - s (1 - n . n'). This is the convex-concave procedure; it ends in
+ *   a local minimum, and with s = 0 it is the distance of two bodies that are apart. Nearest
+ *   points by GJK (Gilbert, Johnson, Keerthi 1988), own, because libccd answers no distance query
+ *   and its tolerances are absolute.
+ * - A survey of all of M by an expanding polytope (van den Bergen 2001) says whether another local
+ *   minimum lies deeper: a polytope within M bounds the least width from below. Own as well:
+ *   libccd's ended early in one deep pair of twenty, compares squares of lengths, has no limit,
+ *   and allocates. */
 #include "pair.h"
 
 #include "rows.h"
@@ -38,7 +42,8 @@ typedef struct search {
     double center_a[3]; /* cores, in the axes of their shapes, metres */
     double center_b[3];
     double offset[3]; /* core of B minus core of A, world axes, scaled */
-    double margin;
+    double margin;    /* up to which gap of M the axis matters: the pair's and both radii */
+    double radius;    /* of both, scaled */
     double small;     /* lesser of the outer radii, in [1, 2) */
     double inner;     /* lesser of the inner radii */
     double reach;     /* sum of the outer radii */
@@ -47,6 +52,7 @@ typedef struct search {
     double width;
     uint64_t calls; /* of M; each is one of A and one of B */
     uint64_t limit; /* beyond this many libccd is told to stop */
+    int flat;       /* M is a polytope */
     int stopped;    /* it has been */
     int fault;      /* a support is not finite or contradicts another */
 } search;
@@ -85,6 +91,14 @@ static double length(const double v[3])
 /* u = v / |v|; 0 if v is zero or not finite. */
 static int unit(const double v[3], double u[3])
 {
+    const double square = dot(v, v);
+    if (square > 1e-200 && square < 1e200) {
+        const double inverse = 1.0 / sqrt(square);
+        for (int i = 0; i < 3; i++) {
+            u[i] = v[i] * inverse;
+        }
+        return 1;
+    }
     const double big = greater(greater(absolute(v[0]), absolute(v[1])), absolute(v[2]));
     if (!(big > 0.0) || !all_finite(v, 3)) {
         return 0;
@@ -114,14 +128,33 @@ static void rotate_back(const double r[9], const double v[3], double sign, doubl
 
 /* ---- supports of M --------------------------------------------------------------------------- */
 
-/* Support point of one shape from its core, world axes, scaled; 0 if there is none. */
+/* Radius by which a shape is more than its bone: the point or segment of a sphere or capsule. */
+static double radius_of(const tribo_shape *shape)
+{
+    return shape->type == TRIBO_SHAPE_SPHERE || shape->type == TRIBO_SHAPE_CAPSULE ? shape->size[0]
+                                                                                   : 0.0;
+}
+
+static int bone_support(const tribo_shape *shape, const double direction[3], double point[3])
+{
+    if (radius_of(shape) > 0.0) {
+        const double half = shape->type == TRIBO_SHAPE_CAPSULE ? shape->size[1] : 0.0;
+        point[0] = point[1] = 0.0;
+        point[2] = direction[2] < 0.0 ? 0.0 - half : half;
+        return 1;
+    }
+    return shape_support(shape, direction, point);
+}
+
+/* Support point of one shape without its radius from its core, world axes, scaled; 0 if there is
+ * none. */
 static int part(const tribo_shape *shape, const double r[9], const double center[3], double scale,
                 const double along[3], double sign, double out[3])
 {
     double local[3];
     double point[3];
     rotate_back(r, along, sign, local);
-    if (!shape_support(shape, local, point)) {
+    if (!bone_support(shape, local, point)) {
         return 0;
     }
     for (int i = 0; i < 3; i++) {
@@ -1016,6 +1049,13 @@ static int climb_ridges(search *s)
 
 /* ---- the search ------------------------------------------------------------------------------ */
 
+/* Whether a shape without its radius is a polytope. */
+static int is_flat(const tribo_shape *shape)
+{
+    return radius_of(shape) > 0.0 || shape->type == TRIBO_SHAPE_BOX ||
+           shape->type == TRIBO_SHAPE_HULL;
+}
+
 static void begin(search *s, const pair_query *pair)
 {
     double inner[2];
@@ -1031,7 +1071,9 @@ static void begin(search *s, const pair_query *pair)
     for (int i = 0; i < 3; i++) {
         s->offset[i] = (pair->offset[i] + (b[i] - a[i])) * s->scale;
     }
-    s->margin = pair->margin * s->scale;
+    s->radius = (radius_of(pair->a) + radius_of(pair->b)) * s->scale;
+    s->margin = pair->margin * s->scale + s->radius;
+    s->flat = is_flat(pair->a) && is_flat(pair->b);
     s->small = lesser(outer[0], outer[1]) * s->scale;
     s->inner = lesser(inner[0], inner[1]) * s->scale;
     s->inner = s->inner > 0.0 ? s->inner : 0.05 * s->small; /* a user's shape tells none */
@@ -1066,7 +1108,7 @@ static void axes_of(search *s, const double r[9])
 /* From the least width seen to a local minimum. */
 static void settle(search *s)
 {
-    if (!newton(s) && !climb_ridges(s)) {
+    if ((s->flat && s->width < 0.0) || (!newton(s) && !climb_ridges(s))) {
         descend(s);
     }
 }
@@ -1120,6 +1162,6 @@ tribo_status convex_axis(const pair_query *query, pair_axis *axis, tribo_collide
         return TRIBO_ERROR_SUPPORT;
     }
     copy(s.normal, axis->normal);
-    axis->distance = (0.0 - s.width) / s.scale;
+    axis->distance = (0.0 - s.width - s.radius) / s.scale;
     return TRIBO_OK;
 }
