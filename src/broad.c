@@ -21,20 +21,20 @@
 #define SLACK 2
 #define MAX_HEIGHT 64
 #define ROUNDING 8.8817841970012523e-16 /* 2^-50 */
-#define STALE 4.0 /* margins by which an enlarged box may exceed its box */
+#define STALE 4.0                       /* margins by which an enlarged box may exceed its box */
 
-typedef struct box {
+typedef struct tree_box {
     double low[3];
     double high[3];
-} box;
+} tree_box;
 
-typedef struct node {
-    box box;
+typedef struct tree_node {
+    tree_box box;
     uint32_t parent; /* node; of pairs that are free: NONE */
     uint32_t link;   /* leaf: id. Inner node: pair of the children */
     uint32_t height; /* leaf: 0 */
     uint32_t unused;
-} node;
+} tree_node;
 
 #define ID_LEVELS 5 /* 64^5 ids */
 
@@ -45,8 +45,9 @@ struct tribo_tree {
     uint64_t nodes;  /* offsets in bytes from here */
     uint64_t enlarged;
     uint64_t places;
-    uint64_t ids[ID_LEVELS]; /* free ids below id_end; each level tells which words below are not 0 */
-    uint32_t clamps;         /* 1: some coordinate is infinite or too large to be scaled */
+    uint64_t
+        ids[ID_LEVELS]; /* free ids below id_end; each level tells which words below are not 0 */
+    uint32_t clamps;    /* 1: some coordinate is infinite or too large to be scaled */
     uint32_t capacity;
     uint32_t count;
     uint32_t id_end;    /* ids from here on were never used */
@@ -66,9 +67,9 @@ static uint64_t lay_out(tribo_tree *tree, uint32_t capacity)
 {
     uint64_t size = sizeof *tree;
     tree->nodes = size;
-    size += 2u * (uint64_t)capacity * sizeof(node);
+    size += 2u * (uint64_t)capacity * sizeof(tree_node);
     tree->enlarged = size;
-    size += (uint64_t)capacity * sizeof(box);
+    size += (uint64_t)capacity * sizeof(tree_box);
     uint64_t bits = capacity;
     for (int level = 0; level < ID_LEVELS; level++) {
         bits = words_of(bits);
@@ -79,19 +80,19 @@ static uint64_t lay_out(tribo_tree *tree, uint32_t capacity)
     return size + (words_of((uint64_t)capacity * 32u)) * sizeof(uint64_t);
 }
 
-TRIBO_ALWAYS_INLINE node *nodes_of(tribo_tree *tree)
+TRIBO_ALWAYS_INLINE tree_node *nodes_of(tribo_tree *tree)
 {
-    return (node *)(void *)((unsigned char *)tree + tree->nodes);
+    return (tree_node *)(void *)((unsigned char *)tree + tree->nodes);
 }
 
-TRIBO_ALWAYS_INLINE const node *read_nodes(const tribo_tree *tree)
+TRIBO_ALWAYS_INLINE const tree_node *read_nodes(const tribo_tree *tree)
 {
-    return (const node *)(const void *)((const unsigned char *)tree + tree->nodes);
+    return (const tree_node *)(const void *)((const unsigned char *)tree + tree->nodes);
 }
 
-TRIBO_ALWAYS_INLINE box *enlarged_of(tribo_tree *tree)
+TRIBO_ALWAYS_INLINE tree_box *enlarged_of(tribo_tree *tree)
 {
-    return (box *)(void *)((unsigned char *)tree + tree->enlarged);
+    return (tree_box *)(void *)((unsigned char *)tree + tree->enlarged);
 }
 
 /* The node that holds an id. */
@@ -196,36 +197,36 @@ static tribo_status check_box(const double low[3], const double high[3])
                                                                        : TRIBO_ERROR_RANGE;
 }
 
-TRIBO_ALWAYS_INLINE box box_of(const double low[3], const double high[3])
+TRIBO_ALWAYS_INLINE tree_box box_of(const double low[3], const double high[3])
 {
-    const box made = {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
+    const tree_box made = {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
     return made;
 }
 
-TRIBO_ALWAYS_INLINE box enlarge(const box *b, double by)
+TRIBO_ALWAYS_INLINE tree_box enlarge(const tree_box *b, double by)
 {
-    const box made = {{b->low[0] - by, b->low[1] - by, b->low[2] - by},
-                      {b->high[0] + by, b->high[1] + by, b->high[2] + by}};
+    const tree_box made = {{b->low[0] - by, b->low[1] - by, b->low[2] - by},
+                           {b->high[0] + by, b->high[1] + by, b->high[2] + by}};
     return made;
 }
 
-TRIBO_ALWAYS_INLINE box join(const box *a, const box *b)
+TRIBO_ALWAYS_INLINE tree_box join(const tree_box *a, const tree_box *b)
 {
-    const box made = {{lesser(a->low[0], b->low[0]), lesser(a->low[1], b->low[1]),
-                       lesser(a->low[2], b->low[2])},
-                      {greater(a->high[0], b->high[0]), greater(a->high[1], b->high[1]),
-                       greater(a->high[2], b->high[2])}};
+    const tree_box made = {
+        {lesser(a->low[0], b->low[0]), lesser(a->low[1], b->low[1]), lesser(a->low[2], b->low[2])},
+        {greater(a->high[0], b->high[0]), greater(a->high[1], b->high[1]),
+         greater(a->high[2], b->high[2])}};
     return made;
 }
 
-TRIBO_ALWAYS_INLINE int contains(const box *outer, const box *inner)
+TRIBO_ALWAYS_INLINE int contains(const tree_box *outer, const tree_box *inner)
 {
     return (outer->low[0] <= inner->low[0]) & (outer->low[1] <= inner->low[1]) &
            (outer->low[2] <= inner->low[2]) & (outer->high[0] >= inner->high[0]) &
            (outer->high[1] >= inner->high[1]) & (outer->high[2] >= inner->high[2]);
 }
 
-TRIBO_ALWAYS_INLINE int overlaps(const box *a, const box *b)
+TRIBO_ALWAYS_INLINE int overlaps(const tree_box *a, const tree_box *b)
 {
     return (a->low[0] <= b->high[0]) & (b->low[0] <= a->high[0]) & (a->low[1] <= b->high[1]) &
            (b->low[1] <= a->high[1]) & (a->low[2] <= b->high[2]) & (b->low[2] <= a->high[2]);
@@ -238,7 +239,7 @@ TRIBO_ALWAYS_INLINE double clamp(double x)
 
 /* Half the surface in scaled lengths. What is infinite counts as somewhat larger than all that is finite: then
  * boxes without bounds along some axis are still told apart by the other axes, and nothing is NaN. */
-static double area(const tribo_tree *tree, const box *b)
+static double area(const tribo_tree *tree, const tree_box *b)
 {
     const double scale = tree->scale;
     double e[3];
@@ -249,14 +250,14 @@ static double area(const tribo_tree *tree, const box *b)
     return e[0] * (e[1] + e[2]) + e[1] * e[2];
 }
 
-static double joint_area(const tribo_tree *tree, const box *a, const box *b)
+static double joint_area(const tribo_tree *tree, const tree_box *a, const tree_box *b)
 {
-    const box both = join(a, b);
+    const tree_box both = join(a, b);
     return area(tree, &both);
 }
 
 /* Distance of the centres in scaled lengths, by sum of coordinates. */
-static double distance(const tribo_tree *tree, const box *a, const box *b)
+static double distance(const tribo_tree *tree, const tree_box *a, const tree_box *b)
 {
     double sum = 0.0;
     for (int k = 0; k < 3; k++) {
@@ -268,7 +269,7 @@ static double distance(const tribo_tree *tree, const box *a, const box *b)
 }
 
 /* Takes note of how far the boxes reach. */
-static void reach(tribo_tree *tree, const box *b)
+static void reach(tribo_tree *tree, const tree_box *b)
 {
     double greatest = tree->greatest;
     for (int k = 0; k < 3; k++) {
@@ -287,16 +288,16 @@ static void reach(tribo_tree *tree, const box *b)
 /* ---- shape of the tree ---------------------------------------------------------------------------- */
 
 /* The box that ancestors of a node enclose. */
-TRIBO_ALWAYS_INLINE const box *outer_box(tribo_tree *tree, uint32_t at)
+TRIBO_ALWAYS_INLINE const tree_box *outer_box(tribo_tree *tree, uint32_t at)
 {
-    const node *n = &nodes_of(tree)[at];
+    const tree_node *n = &nodes_of(tree)[at];
     return n->height == 0 ? &enlarged_of(tree)[n->link] : &n->box;
 }
 
 /* After contents have come to `at`: those that refer to it by position are told. */
 static void relink(tribo_tree *tree, uint32_t at)
 {
-    node *nodes = nodes_of(tree);
+    tree_node *nodes = nodes_of(tree);
     if (nodes[at].height == 0) {
         places_of(tree)[nodes[at].link] = at;
     } else {
@@ -306,9 +307,9 @@ static void relink(tribo_tree *tree, uint32_t at)
 }
 
 /* Writes contents, but for the parent, which belongs to the position. */
-static void put(tribo_tree *tree, uint32_t at, const node *contents)
+static void put(tribo_tree *tree, uint32_t at, const tree_node *contents)
 {
-    node *to = &nodes_of(tree)[at];
+    tree_node *to = &nodes_of(tree)[at];
     to->box = contents->box;
     to->link = contents->link;
     to->height = contents->height;
@@ -318,15 +319,15 @@ static void put(tribo_tree *tree, uint32_t at, const node *contents)
 /* Exchanges two subtrees, neither within the other. */
 static void exchange(tribo_tree *tree, uint32_t a, uint32_t b)
 {
-    const node of_a = nodes_of(tree)[a];
-    const node of_b = nodes_of(tree)[b];
+    const tree_node of_a = nodes_of(tree)[a];
+    const tree_node of_b = nodes_of(tree)[b];
     put(tree, a, &of_b);
     put(tree, b, &of_a);
 }
 
 static void refit(tribo_tree *tree, uint32_t at)
 {
-    node *n = &nodes_of(tree)[at];
+    tree_node *n = &nodes_of(tree)[at];
     const uint32_t left = 2u * n->link;
     const uint32_t heights[2] = {nodes_of(tree)[left].height, nodes_of(tree)[left + 1u].height};
     n->box = join(outer_box(tree, left), outer_box(tree, left + 1u));
@@ -337,7 +338,7 @@ static void refit(tribo_tree *tree, uint32_t at)
  * the other. Of equal ones, the one stays that fits the other better. */
 static void repair(tribo_tree *tree, uint32_t at)
 {
-    const node *nodes = nodes_of(tree);
+    const tree_node *nodes = nodes_of(tree);
     const uint32_t left = 2u * nodes[at].link;
     const uint32_t tall = nodes[left].height > nodes[left + 1u].height ? left : left + 1u;
     const uint32_t low = tall ^ 1u;
@@ -369,7 +370,7 @@ static int balanced(uint32_t a, uint32_t b)
 /* Exchanges a child of the node with a child of the other, if that makes the other smaller and keeps heights. */
 static void rotate(tribo_tree *tree, uint32_t at)
 {
-    const node *nodes = nodes_of(tree);
+    const tree_node *nodes = nodes_of(tree);
     const uint32_t left = 2u * nodes[at].link;
     uint32_t down = NONE;
     uint32_t up = NONE;
@@ -408,9 +409,9 @@ static void rotate(tribo_tree *tree, uint32_t at)
 /* From a node whose children have changed to the root, or as far as something changes. */
 static void mend(tribo_tree *tree, uint32_t at)
 {
-    node *nodes = nodes_of(tree);
+    tree_node *nodes = nodes_of(tree);
     for (;;) {
-        const box before = nodes[at].box;
+        const tree_box before = nodes[at].box;
         const uint32_t height = nodes[at].height;
         repair(tree, at);
         refit(tree, at);
@@ -435,14 +436,14 @@ static uint32_t take_pair(tribo_tree *tree)
 
 static void return_pair(tribo_tree *tree, uint32_t pair)
 {
-    node *first = &nodes_of(tree)[2u * pair];
+    tree_node *first = &nodes_of(tree)[2u * pair];
     first->parent = NONE;
     first->link = tree->free_pair;
     tree->free_pair = pair;
 }
 
 /* Least growth of the surfaces, if a leaf goes somewhere below `at`. */
-static double least_cost(tribo_tree *tree, uint32_t at, const box *leaf, double leaf_area)
+static double least_cost(tribo_tree *tree, uint32_t at, const tree_box *leaf, double leaf_area)
 {
     const double joined = joint_area(tree, outer_box(tree, at), leaf);
     if (nodes_of(tree)[at].height == 0) {
@@ -452,17 +453,16 @@ static double least_cost(tribo_tree *tree, uint32_t at, const box *leaf, double 
 }
 
 /* A node at or below `at` for a new leaf to become the sibling of: descends to where surfaces grow least. */
-static uint32_t find_sibling(tribo_tree *tree, uint32_t at, const box *leaf)
+static uint32_t find_sibling(tribo_tree *tree, uint32_t at, const tree_box *leaf)
 {
-    const node *nodes = nodes_of(tree);
+    const tree_node *nodes = nodes_of(tree);
     const double leaf_area = area(tree, leaf);
     while (nodes[at].height > 0) {
         const uint32_t left = 2u * nodes[at].link;
         const uint32_t right = left + 1u;
         const double costs[2] = {least_cost(tree, left, leaf, leaf_area),
                                  least_cost(tree, right, leaf, leaf_area)};
-        if (nodes[at].height <= SLACK &&
-            area(tree, &nodes[at].box) <= lesser(costs[0], costs[1])) {
+        if (nodes[at].height <= SLACK && area(tree, &nodes[at].box) <= lesser(costs[0], costs[1])) {
             break;
         }
         if (costs[0] != costs[1]) {
@@ -471,18 +471,18 @@ static uint32_t find_sibling(tribo_tree *tree, uint32_t at, const box *leaf)
         }
         const double away[2] = {distance(tree, outer_box(tree, left), leaf),
                                 distance(tree, outer_box(tree, right), leaf)};
-        const int first = away[0] != away[1] ? away[0] < away[1]
-                                             : nodes[left].height <= nodes[right].height;
+        const int first =
+            away[0] != away[1] ? away[0] < away[1] : nodes[left].height <= nodes[right].height;
         at = first ? left : right;
     }
     return at;
 }
 
 /* Hangs up the leaf of an id, whose enlarged box is known, at or below `at`. */
-static void hang(tribo_tree *tree, uint32_t at, uint32_t id, const box *exact)
+static void hang(tribo_tree *tree, uint32_t at, uint32_t id, const tree_box *exact)
 {
-    node *nodes = nodes_of(tree);
-    const node leaf = {*exact, NONE, id, 0, 0};
+    tree_node *nodes = nodes_of(tree);
+    const tree_node leaf = {*exact, NONE, id, 0, 0};
     if (tree->count++ == 0) {
         nodes[0] = leaf;
         places_of(tree)[id] = 0;
@@ -504,7 +504,7 @@ static void hang(tribo_tree *tree, uint32_t at, uint32_t id, const box *exact)
 /* Takes the leaf of an id off; returns a node near by. */
 static uint32_t take_off(tribo_tree *tree, uint32_t id)
 {
-    node *nodes = nodes_of(tree);
+    tree_node *nodes = nodes_of(tree);
     const uint32_t at = places_of(tree)[id];
     tree->count--;
     if (at == 0) {
@@ -540,7 +540,7 @@ tribo_status tribo_tree_add(tribo_tree *tree, const double low[3], const double 
     if (tree->count == tree->capacity) {
         return TRIBO_ERROR_CAPACITY;
     }
-    const box exact = box_of(low, high);
+    const tree_box exact = box_of(low, high);
     const uint32_t made = take_id(tree);
     enlarged_of(tree)[made] = enlarge(&exact, tree->margin);
     reach(tree, &enlarged_of(tree)[made]);
@@ -562,9 +562,9 @@ tribo_status tribo_tree_move(tribo_tree *tree, uint32_t id, const double low[3],
     if (status != TRIBO_OK) {
         return status;
     }
-    const box exact = box_of(low, high);
-    box *enlarged = &enlarged_of(tree)[id];
-    const box loose = enlarge(&exact, STALE * tree->margin);
+    const tree_box exact = box_of(low, high);
+    tree_box *enlarged = &enlarged_of(tree)[id];
+    const tree_box loose = enlarge(&exact, STALE * tree->margin);
     if (contains(enlarged, &exact) && contains(&loose, enlarged)) {
         nodes_of(tree)[places_of(tree)[id]].box = exact;
         return TRIBO_OK;
@@ -756,7 +756,7 @@ TRIBO_ALWAYS_INLINE void tell_id(results *found, uint32_t id)
 
 /* All pairs of a leaf in the subtree of `a` and one in that of `b`, whose boxes overlap. Every round takes one
  * entry off the stack and puts up to four on, one level further down. */
-static void cross(const node *nodes, uint32_t a, uint32_t b, results *found)
+static void cross(const tree_node *nodes, uint32_t a, uint32_t b, results *found)
 {
     uint32_t stack[2 * (3 * MAX_HEIGHT + 4)];
     size_t size = 0;
@@ -792,9 +792,9 @@ tribo_status tribo_tree_pairs(const tribo_tree *tree, size_t capacity, uint32_t 
         return TRIBO_ERROR_NULL;
     }
     results found = {pairs, capacity, 0};
-    const node *nodes = read_nodes(tree);
+    const tree_node *nodes = read_nodes(tree);
     for (uint32_t pair = 1; pair < tree->pair_end; pair++) {
-        const node *left = &nodes[2u * pair];
+        const tree_node *left = &nodes[2u * pair];
         if (left->parent != NONE && overlaps(&left->box, &left[1].box)) {
             cross(nodes, 2u * pair, 2u * pair + 1u, &found);
         }
@@ -802,9 +802,8 @@ tribo_status tribo_tree_pairs(const tribo_tree *tree, size_t capacity, uint32_t 
     return finish(tree, &found, 2, count);
 }
 
-tribo_status tribo_tree_query_box(const tribo_tree *tree, const double low[3],
-                                  const double high[3], size_t capacity, uint32_t *ids,
-                                  size_t *count)
+tribo_status tribo_tree_query_box(const tribo_tree *tree, const double low[3], const double high[3],
+                                  size_t capacity, uint32_t *ids, size_t *count)
 {
     if (!tree || !low || !high || (!ids && capacity > 0) || !count) {
         return TRIBO_ERROR_NULL;
@@ -814,14 +813,14 @@ tribo_status tribo_tree_query_box(const tribo_tree *tree, const double low[3],
         return status;
     }
     results found = {ids, capacity, 0};
-    const node *nodes = read_nodes(tree);
-    const box wanted = box_of(low, high);
+    const tree_node *nodes = read_nodes(tree);
+    const tree_box wanted = box_of(low, high);
     uint32_t stack[MAX_HEIGHT + 1];
     size_t size = 0;
     stack[size] = 0;
     size += tree->count > 0;
     while (size > 0) {
-        const node *n = &nodes[stack[--size]];
+        const tree_node *n = &nodes[stack[--size]];
         if (!overlaps(&n->box, &wanted)) {
             continue;
         }
@@ -836,16 +835,17 @@ tribo_status tribo_tree_query_box(const tribo_tree *tree, const double low[3],
 }
 
 typedef struct segment {
-    double from[3];
+    double scale[3]; /* 1, or 1/4 along axes where differences overflow */
+    double from[3];  /* scaled, as is `along` */
     double along[3];
-    box bounds;
+    tree_box bounds;
 } segment;
 
-/* Whether the segment meets the box. Along each axis that is judged exactly. The parameters where it enters and
- * leaves slabs carry a relative error below 2^-51 (one difference, one quotient, and the difference below them): so
- * much is forgiven that no box which is met is ever missed. Rounding keeps order, hence a larger box is met whenever
- * a smaller one is. Axes along which nothing can be told (no motion, overflow) are left to the exact judgement. */
-static int meets(const segment *s, const box *b)
+/* Whether the segment meets the box. Along each axis that is judged exactly. The parameters where the segment
+ * enters and leaves slabs carry a relative error below 2^-51 (one difference, one quotient, and the difference
+ * beneath): so much is forgiven that no box which is met is ever missed. Rounding keeps order, hence whatever
+ * encloses a box that is met is met too. */
+static int meets(const segment *s, const tree_box *b)
 {
     if (!overlaps(&s->bounds, b)) {
         return 0;
@@ -854,9 +854,11 @@ static int meets(const segment *s, const box *b)
     double leave = 1.0;
     for (int k = 0; k < 3; k++) {
         const double along = s->along[k];
-        if (along != 0.0 && absolute(along) <= DBL_MAX) {
-            const double first = ((along > 0.0 ? b->low[k] : b->high[k]) - s->from[k]) / along;
-            const double last = ((along > 0.0 ? b->high[k] : b->low[k]) - s->from[k]) / along;
+        if (along != 0.0) {
+            const double low = (s->scale[k] * b->low[k] - s->from[k]) / along;
+            const double high = (s->scale[k] * b->high[k] - s->from[k]) / along;
+            const double first = along > 0.0 ? low : high;
+            const double last = along > 0.0 ? high : low;
             enter = greater(enter, first);
             leave = lesser(leave, last);
         }
@@ -875,19 +877,20 @@ tribo_status tribo_tree_query_ray(const tribo_tree *tree, const double from[3], 
     }
     segment s;
     for (int k = 0; k < 3; k++) {
-        s.from[k] = from[k];
-        s.along[k] = to[k] - from[k];
+        s.scale[k] = absolute(to[k] - from[k]) <= DBL_MAX ? 1.0 : 0.25;
+        s.from[k] = s.scale[k] * from[k];
+        s.along[k] = s.scale[k] * to[k] - s.from[k];
         s.bounds.low[k] = lesser(from[k], to[k]);
         s.bounds.high[k] = greater(from[k], to[k]);
     }
     results found = {ids, capacity, 0};
-    const node *nodes = read_nodes(tree);
+    const tree_node *nodes = read_nodes(tree);
     uint32_t stack[MAX_HEIGHT + 1];
     size_t size = 0;
     stack[size] = 0;
     size += tree->count > 0;
     while (size > 0) {
-        const node *n = &nodes[stack[--size]];
+        const tree_node *n = &nodes[stack[--size]];
         if (!meets(&s, &n->box)) {
             continue;
         }

@@ -16,17 +16,13 @@
 
 #include "../support/problems.h"
 
-enum {
-    SEED = 20160603,
-    MOST_STEPS = 41,
-    BRUTE_LIMIT = 10000,
-    SWEEP_LIMIT = 100000
-};
+enum { SEED = 20160603, MOST_STEPS = 41, BRUTE_LIMIT = 10000, SWEEP_LIMIT = 100000 };
 
-static const double room = 2.0;      /* volume per body, whose edges are 0.5 to 1.5 */
-static const double stride = 0.01;   /* greatest motion per step and axis */
+static const double room = 2.0;    /* volume per body, whose edges are 0.5 to 1.5 */
+static const double stride = 0.01; /* greatest motion per step and axis */
 static const double margin = 0.1;
-static const double settling = 60.0; /* steps before the clock starts, so that enlarged boxes are in all states */
+static const double settling =
+    60.0; /* steps before the clock starts, so that enlarged boxes are in all states */
 
 /* Boxes as tribo_tree_add takes them, and what the methods need. */
 typedef struct crowd {
@@ -178,8 +174,8 @@ static const double *sorted_boxes;
 
 static int compare_low(const void *x, const void *y)
 {
-    const double a = sorted_boxes[6 * (size_t)*(const uint32_t *)x];
-    const double b = sorted_boxes[6 * (size_t)*(const uint32_t *)y];
+    const double a = sorted_boxes[6 * (size_t) * (const uint32_t *)x];
+    const double b = sorted_boxes[6 * (size_t) * (const uint32_t *)y];
     return (a > b) - (a < b);
 }
 
@@ -277,7 +273,8 @@ static void print_other(double ns)
 int main(int argc, char **argv)
 {
     const size_t limit = argc > 1 ? strtoul(argv[1], NULL, 10) : 1000000;
-    printf("# broad phase: ns per body and step, one thread; %g of volume per body, motion %g, margin %g "
+    printf("# broad phase: ns per body and step, one thread; %g of volume per body, motion %g, "
+           "margin %g "
            "of mean edge\n",
            room, stride, margin);
     printf("# step = move + pairs; brute and sweep list the pairs of the same step, unsorted\n");
