@@ -112,6 +112,13 @@ static int unit(const double v[3], double u[3])
     return 1;
 }
 
+/* n turned towards t, square to it, by an angle whose tangent is x. */
+static void turn(const double n[3], const double t[3], double x, double out[3])
+{
+    const double v[3] = {n[0] + x * t[0], n[1] + x * t[1], n[2] + x * t[2]};
+    (void)unit(v, out);
+}
+
 static void rotate(const double r[9], const double v[3], double out[3])
 {
     for (int i = 0; i < 3; i++) {
@@ -462,62 +469,86 @@ static int approach(search *s, simplex *x, const double shift[3], double start)
 
 /* ---- smooth places: Newton ------------------------------------------------------------------- */
 
-/* The gradient of w on the sphere is the support point's part across n, its Hessian the
- * derivative of that minus w. Returns whether a local minimum was reached and is one; 0 where
- * the surface is flat, edged or bent the wrong way. */
-static int newton(search *s)
+/* Where Newton is: the width, its support point, and around it a basis of directions across n. */
+typedef struct place {
+    double n[3];
+    double across[2][3];
+    double p[3];
+    double width;
+    double slope[2];
+    double bend[3]; /* Hessian: 00, 01, 11 */
+} place;
+
+/* The gradient of w on the sphere is the support point's part across n, its Hessian the derivative of
+ * that minus w, here by differences. */
+static void differentiate(search *s, place *at)
 {
     double f[9];
-    double p[3];
-    double best[3];
-    copy(s->normal, best);
-    double width = support(s, best, p);
-    for (int k = 0; k < NEWTON_STEPS && !s->fault && !apart(s); k++) {
-        double column[2][2];
-        basis_rows(best[0], best[1], best[2], f);
-        const double t[2] = {dot(p, f + 3), dot(p, f + 6)};
-        const double slope = sqrt(t[0] * t[0] + t[1] * t[1]);
-        const double delta = lesser(greater(0.01 * slope / s->small, 1e-6), 1e-3);
-        for (int i = 0; i < 2; i++) {
-            double n[3];
-            double q[3];
-            const double *e = f + 3 + 3 * i;
-            const double away[3] = {best[0] + delta * e[0], best[1] + delta * e[1],
-                                    best[2] + delta * e[2]};
-            (void)unit(away, n);
-            (void)support(s, n, q);
-            subtract(q, p, q);
-            column[i][0] = dot(q, f + 3) / delta;
-            column[i][1] = dot(q, f + 6) / delta;
-        }
-        const double a = column[0][0] - width;
-        const double b = 0.5 * (column[0][1] + column[1][0]);
-        const double c = column[1][1] - width;
-        const double det = a * c - b * b;
-        if (!(a > 0.0 && det > 1e-12 * (a + c) * (a + c))) {
-            return 0;
-        }
-        const double x = (b * t[1] - c * t[0]) / det;
-        const double y = (b * t[0] - a * t[1]) / det;
-        const double gain = 0.0 - 0.5 * (t[0] * x + t[1] * y);
-        if (gain <= 0.25 * s->rounding) {
-            return 1;
-        }
-        if (x * x + y * y > 0.1) {
-            return 0;
-        }
-        double n[3];
-        const double next[3] = {best[0] + x * f[3] + y * f[6], best[1] + x * f[4] + y * f[7],
-                                best[2] + x * f[5] + y * f[8]};
-        (void)unit(next, n);
-        const double found = support(s, n, p);
-        if (!(found < width - 0.25 * gain)) {
-            return 0;
-        }
-        width = found;
-        copy(n, best);
+    double column[2][2];
+    basis_rows(at->n[0], at->n[1], at->n[2], f);
+    for (int i = 0; i < 2; i++) {
+        copy(f + 3 + 3 * i, at->across[i]);
+        at->slope[i] = dot(at->p, at->across[i]);
     }
-    return 0;
+    const double slope = sqrt(at->slope[0] * at->slope[0] + at->slope[1] * at->slope[1]);
+    const double delta = lesser(greater(0.01 * slope / s->small, 1e-6), 1e-3);
+    for (int i = 0; i < 2; i++) {
+        double n[3];
+        double q[3];
+        turn(at->n, at->across[i], delta, n);
+        (void)support(s, n, q);
+        subtract(q, at->p, q);
+        column[i][0] = dot(q, at->across[0]) / delta;
+        column[i][1] = dot(q, at->across[1]) / delta;
+    }
+    at->bend[0] = column[0][0] - at->width;
+    at->bend[1] = 0.5 * (column[0][1] + column[1][0]);
+    at->bend[2] = column[1][1] - at->width;
+}
+
+enum { STEP_NONE, STEP_TAKEN, STEP_DONE };
+
+static int newton_step(search *s, place *at)
+{
+    differentiate(s, at);
+    const double *h = at->bend;
+    const double *t = at->slope;
+    const double det = h[0] * h[2] - h[1] * h[1];
+    if (!(h[0] > 0.0 && det > 1e-12 * (h[0] + h[2]) * (h[0] + h[2]))) {
+        return STEP_NONE;
+    }
+    const double x = (h[1] * t[1] - h[2] * t[0]) / det;
+    const double y = (h[1] * t[0] - h[0] * t[1]) / det;
+    const double gain = 0.0 - 0.5 * (t[0] * x + t[1] * y);
+    if (gain <= 0.25 * s->rounding) {
+        return STEP_DONE;
+    }
+    if (x * x + y * y > 0.1) {
+        return STEP_NONE;
+    }
+    double v[3];
+    for (int i = 0; i < 3; i++) {
+        v[i] = at->n[i] + x * at->across[0][i] + y * at->across[1][i];
+    }
+    (void)unit(v, at->n);
+    const double width = support(s, at->n, at->p);
+    const int better = width < at->width - 0.25 * gain;
+    at->width = width;
+    return better ? STEP_TAKEN : STEP_NONE;
+}
+
+/* Returns whether a local minimum was reached and is one; 0 where the surface is flat, edged or bent
+ * the wrong way. */
+static int newton(search *s)
+{
+    place at;
+    int step = STEP_TAKEN;
+    copy(s->normal, at.n);
+    at.width = support(s, at.n, at.p);
+    for (int k = 0; k < NEWTON_STEPS && step == STEP_TAKEN && !s->fault && !apart(s); k++) {
+        step = newton_step(s, &at);
+    }
+    return step == STEP_DONE;
 }
 
 /* ---- descent --------------------------------------------------------------------------------- */
@@ -919,10 +950,10 @@ static int prefer_edges(search *s, const support_face *a, const support_face *b)
                 continue;
             }
             cross(ea, eb, n);
-            const double turn = dot(n, s->normal);
-            if (absolute(turn) > 1e-6) {
+            const double facing = dot(n, s->normal);
+            if (absolute(facing) > 1e-6) {
                 for (int c = 0; c < 3; c++) {
-                    n[c] = copysign(1.0, turn) * n[c];
+                    n[c] = copysign(1.0, facing) * n[c];
                 }
                 if (prefer(s, n)) {
                     return 1;
@@ -962,13 +993,6 @@ static int square_edge(const search *s, const support_face *face, double best[3]
         }
     }
     return least < 0.1;
-}
-
-/* n turned by an angle x about the edge e, t = e x n; not quite: tan x. */
-static void turn(const double n[3], const double t[3], double x, double out[3])
-{
-    const double v[3] = {n[0] + x * t[0], n[1] + x * t[1], n[2] + x * t[2]};
-    (void)unit(v, out);
 }
 
 /* Newton along the great circle square to an edge, where w is smooth along it. Returns the bend
