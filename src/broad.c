@@ -4,18 +4,18 @@
 
 #include <float.h>
 
-/* A binary tree whose siblings lie side by side: the nodes 2p and 2p + 1 are pair p, node 0 is the root and
- * node 1 is not used. All links are indices, and positions stay while contents move: every change of shape is
- * made of exchanges of two nodes.
+/* A binary tree whose siblings lie side by side: the nodes 2p and 2p + 1 are pair p, node 0 is the
+ * root and node 1 is not used. All links are indices, and positions stay while contents move: every
+ * change of shape is made of exchanges of two nodes.
  *
- * Leaves hold exact boxes; what their ancestors enclose are the enlarged ones, kept apart by id, because only
- * changes of the tree read them.
+ * Leaves hold exact boxes; what their ancestors enclose are the enlarged ones, kept apart by id,
+ * because only changes of the tree read them.
  *
- * Heights of siblings differ by SLACK at most, so that depth is bounded whatever the input: with N(h) the
- * fewest leaves of height h, N(h) = N(h-1) + N(h-1-SLACK), and 2^30 leaves are less than N(MAX_HEIGHT). Three
- * rules keep it, by the argument for AVL trees: a leaf becomes the sibling of a node of height SLACK or less;
- * one exchange repairs a difference of SLACK + 1; exchanges for area alone keep the height of the node that
- * they are made in. */
+ * Heights of siblings differ by SLACK at most, so that depth is bounded whatever the input: with
+ * N(h) the fewest leaves of height h, N(h) = N(h-1) + N(h-1-SLACK), and 2^30 leaves are less
+ * than N(MAX_HEIGHT). Three rules keep it, by the argument for AVL trees: a leaf becomes the
+ * sibling of a node of height SLACK or less; one exchange repairs a difference of SLACK + 1;
+ * exchanges for area alone keep the height of the node that they are made in. */
 #define NONE UINT32_MAX
 #define MAX_CAPACITY (UINT32_C(1) << 30)
 #define SLACK 2
@@ -53,9 +53,11 @@ struct tribo_tree {
     uint32_t id_end;    /* ids from here on were never used */
     uint32_t pair_end;  /* likewise pairs */
     uint32_t free_pair; /* head of the list of those freed, linked by `link` */
+    uint32_t placed;    /* pair that was put in order last; 0: begin at the root */
+    uint32_t slot;      /* where the next one goes */
 };
 
-/* ---- layout of the block ------------------------------------------------------------------------- */
+/* ---- layout of the block ---------------------------------------------------------------------- */
 
 static uint64_t words_of(uint64_t bits)
 {
@@ -140,7 +142,7 @@ tribo_status tribo_tree_init(void *block, uint32_t capacity, double margin, trib
     return TRIBO_OK;
 }
 
-/* ---- ids ------------------------------------------------------------------------------------------ */
+/* ---- ids -------------------------------------------------------------------------------------- */
 
 /* Number of the lowest bit that is set; `bits` is not 0. */
 static uint32_t lowest_bit(uint64_t bits)
@@ -184,7 +186,7 @@ static void return_id(tribo_tree *tree, uint32_t id)
     }
 }
 
-/* ---- boxes ---------------------------------------------------------------------------------------- */
+/* ---- boxes ------------------------------------------------------------------------------------ */
 
 static tribo_status check_box(const double low[3], const double high[3])
 {
@@ -237,8 +239,9 @@ TRIBO_ALWAYS_INLINE double clamp(double x)
     return greater(-1.0, lesser(1.0, x));
 }
 
-/* Half the surface in scaled lengths. What is infinite counts as somewhat larger than all that is finite: then
- * boxes without bounds along some axis are still told apart by the other axes, and nothing is NaN. */
+/* Half the surface in scaled lengths. What is infinite counts as somewhat larger than all that
+ * is finite: then boxes without bounds along some axis are still told apart by the other axes,
+ * and nothing is NaN. */
 static double area(const tribo_tree *tree, const tree_box *b)
 {
     const double scale = tree->scale;
@@ -285,7 +288,7 @@ static void reach(tribo_tree *tree, const tree_box *b)
     }
 }
 
-/* ---- shape of the tree ---------------------------------------------------------------------------- */
+/* ---- shape of the tree ------------------------------------------------------------------------ */
 
 /* The box that ancestors of a node enclose. */
 TRIBO_ALWAYS_INLINE const tree_box *outer_box(tribo_tree *tree, uint32_t at)
@@ -334,8 +337,8 @@ static void refit(tribo_tree *tree, uint32_t at)
     n->height = 1u + (heights[0] > heights[1] ? heights[0] : heights[1]);
 }
 
-/* The taller child of a node whose children differ too much sends up its own taller child, in exchange for
- * the other. Of equal ones, the one stays that fits the other better. */
+/* The taller child of a node whose children differ too much sends up its own taller child, in
+ * exchange for the other. Of equal ones, the one stays that fits the other better. */
 static void repair(tribo_tree *tree, uint32_t at)
 {
     const tree_node *nodes = nodes_of(tree);
@@ -367,7 +370,8 @@ static int balanced(uint32_t a, uint32_t b)
     return a <= b + SLACK && b <= a + SLACK;
 }
 
-/* Exchanges a child of the node with a child of the other, if that makes the other smaller and keeps heights. */
+/* Exchanges a child of the node with a child of the other, if that makes the other smaller and
+ * keeps heights. */
 static void rotate(tribo_tree *tree, uint32_t at)
 {
     const tree_node *nodes = nodes_of(tree);
@@ -452,7 +456,8 @@ static double least_cost(tribo_tree *tree, uint32_t at, const tree_box *leaf, do
     return joined - area(tree, &nodes_of(tree)[at].box) + leaf_area;
 }
 
-/* A node at or below `at` for a new leaf to become the sibling of: descends to where surfaces grow least. */
+/* A node at or below `at` for a new leaf to become the sibling of: descends to where surfaces
+ * grow least. */
 static uint32_t find_sibling(tribo_tree *tree, uint32_t at, const tree_box *leaf)
 {
     const tree_node *nodes = nodes_of(tree);
@@ -519,7 +524,75 @@ static uint32_t take_off(tribo_tree *tree, uint32_t id)
     return parent;
 }
 
-/* ---- changes -------------------------------------------------------------------------------------- */
+/* ---- order in memory -------------------------------------------------------------------------- */
+
+/* Exchanges the places of two pairs of nodes, related or not. Links are set first: where a
+ * parent is itself in one of the pairs, they move with it, and relink then corrects what is read
+ * as parent. */
+static void exchange_pairs(tribo_tree *tree, uint32_t a, uint32_t b)
+{
+    tree_node *nodes = nodes_of(tree);
+    nodes[nodes[2u * a].parent].link = b;
+    nodes[nodes[2u * b].parent].link = a;
+    for (uint32_t side = 0; side < 2; side++) {
+        const tree_node kept = nodes[2u * a + side];
+        nodes[2u * a + side] = nodes[2u * b + side];
+        nodes[2u * b + side] = kept;
+    }
+    for (uint32_t side = 0; side < 2; side++) {
+        relink(tree, 2u * a + side);
+        relink(tree, 2u * b + side);
+    }
+}
+
+/* The pair that follows in depth-first order; 0 after the last. */
+static uint32_t next_pair(const tree_node *nodes, uint32_t pair)
+{
+    for (uint32_t at = 2u * pair; at < 2u * pair + 2u; at++) {
+        if (nodes[at].height > 0) {
+            return nodes[at].link;
+        }
+    }
+    for (uint32_t at = nodes[2u * pair].parent; at != 0; at = nodes[at].parent) {
+        if (at % 2u == 0 && nodes[at + 1u].height > 0) {
+            return nodes[at + 1u].link;
+        }
+    }
+    return 0;
+}
+
+/* A step of an endless walk through the tree that puts pairs into depth-first order in memory,
+ * for the sake of caches: with every change of the tree goes one such step, so that no call
+ * takes long. What changes meanwhile only makes the order worse. */
+static void tidy(tribo_tree *tree)
+{
+    tree_node *nodes = nodes_of(tree);
+    const uint32_t placed = tree->placed;
+    if (placed == 0) {
+        tree->slot = 1;
+    }
+    while (tree->slot < tree->pair_end && nodes[2u * tree->slot].parent == NONE) {
+        tree->slot++;
+    }
+    uint32_t next = 0;
+    if (placed == 0) {
+        next = tree->count > 1 ? nodes[0].link : 0;
+    } else if (nodes[2u * placed].parent != NONE) {
+        next = next_pair(nodes, placed);
+    }
+    if (next == 0 || tree->slot == tree->pair_end) {
+        tree->placed = 0;
+        return;
+    }
+    if (next > tree->slot) {
+        exchange_pairs(tree, next, tree->slot);
+        next = tree->slot;
+    }
+    tree->placed = next;
+    tree->slot += next == tree->slot;
+}
+
+/* ---- changes ---------------------------------------------------------------------------------- */
 
 static int is_live(const tribo_tree *tree, uint32_t id)
 {
@@ -545,6 +618,7 @@ tribo_status tribo_tree_add(tribo_tree *tree, const double low[3], const double 
     enlarged_of(tree)[made] = enlarge(&exact, tree->margin);
     reach(tree, &enlarged_of(tree)[made]);
     hang(tree, 0, made, &exact);
+    tidy(tree);
     *id = made;
     return TRIBO_OK;
 }
@@ -576,6 +650,7 @@ tribo_status tribo_tree_move(tribo_tree *tree, uint32_t id, const double low[3],
         near = nodes_of(tree)[near].parent;
     }
     hang(tree, near, id, &exact);
+    tidy(tree);
     return TRIBO_OK;
 }
 
@@ -593,7 +668,7 @@ tribo_status tribo_tree_remove(tribo_tree *tree, uint32_t id)
     return TRIBO_OK;
 }
 
-/* ---- order of results ----------------------------------------------------------------------------- */
+/* ---- order of results ------------------------------------------------------------------------- */
 
 #define DIGIT 8
 #define BUCKETS (1u << DIGIT)
@@ -683,8 +758,8 @@ static uint32_t first_shift(uint32_t bits)
     return bits > DIGIT ? bits - DIGIT : 0;
 }
 
-/* The digit after that at `shift`; NONE after the last. Digits of the first id of a pair begin at bit 32, those
- * of the second at bit 0. */
+/* The digit after that at `shift`; NONE after the last. Digits of the first id of a pair begin
+ * at bit 32, those of the second at bit 0. */
 static uint32_t next_shift(uint32_t shift, uint32_t bits)
 {
     if (shift == 0) {
@@ -735,7 +810,7 @@ static tribo_status finish(const tribo_tree *tree, results *found, size_t width,
     return TRIBO_OK;
 }
 
-/* ---- queries -------------------------------------------------------------------------------------- */
+/* ---- queries ---------------------------------------------------------------------------------- */
 
 TRIBO_ALWAYS_INLINE void tell_pair(results *found, uint32_t a, uint32_t b)
 {
@@ -754,8 +829,8 @@ TRIBO_ALWAYS_INLINE void tell_id(results *found, uint32_t id)
     }
 }
 
-/* All pairs of a leaf in the subtree of `a` and one in that of `b`, whose boxes overlap. Every round takes one
- * entry off the stack and puts up to four on, one level further down. */
+/* All pairs of a leaf in the subtree of `a` and one in that of `b`, whose boxes overlap. Every
+ * round takes one entry off the stack and puts up to four on, one level further down. */
 static void cross(const tree_node *nodes, uint32_t a, uint32_t b, results *found)
 {
     uint32_t stack[2 * (3 * MAX_HEIGHT + 4)];
@@ -841,10 +916,10 @@ typedef struct segment {
     tree_box bounds;
 } segment;
 
-/* Whether the segment meets the box. Along each axis that is judged exactly. The parameters where the segment
- * enters and leaves slabs carry a relative error below 2^-51 (one difference, one quotient, and the difference
- * beneath): so much is forgiven that no box which is met is ever missed. Rounding keeps order, hence whatever
- * encloses a box that is met is met too. */
+/* Whether the segment meets the box. Along each axis that is judged exactly. The parameters
+ * where the segment enters and leaves slabs carry a relative error below 2^-51 (one difference,
+ * one quotient, and the difference beneath): so much is forgiven that no box which is met is
+ * ever missed. Rounding keeps order, hence whatever encloses a box that is met is met too. */
 static int meets(const segment *s, const tree_box *b)
 {
     if (!overlaps(&s->bounds, b)) {

@@ -37,7 +37,7 @@
 
 enum { BOXES = 1000, SEED = 20160603 };
 
-/* ---- boxes, and what is known of them ------------------------------------------------------------- */
+/* ---- boxes, and what is known of them --------------------------------------------------------- */
 
 typedef struct model {
     double boxes[BOXES][6];
@@ -197,7 +197,7 @@ static tribo_tree *make_tree(uint32_t capacity, double margin)
     return tree;
 }
 
-/* ---- brute force ---------------------------------------------------------------------------------- */
+/* ---- brute force ------------------------------------------------------------------------------ */
 
 static int overlap(const double *a, const double *b)
 {
@@ -256,8 +256,8 @@ static void compare_overlaps(const tribo_tree *tree, const double wanted[6])
     assert_found(count, expect_overlaps(wanted), 1);
 }
 
-/* Gap between where the segment leaves the slabs of a box and where it enters them, in parts of the segment;
- * negative: missed. Long doubles: to be trusted beyond 1e-12. */
+/* Gap between where the segment leaves the slabs of a box and where it enters them, in parts of
+ * the segment; negative: missed. Long doubles: to be trusted beyond 1e-12. */
 static long double gap(const double box[6], const double from[3], const double to[3])
 {
     long double enter = 0.0L;
@@ -265,7 +265,7 @@ static long double gap(const double box[6], const double from[3], const double t
     for (int k = 0; k < 3; k++) {
         const long double along = (long double)to[k] - (long double)from[k];
         if (fmax(from[k], to[k]) < box[k] || fmin(from[k], to[k]) > box[3 + k]) {
-            return -INFINITY;
+            return -INFINITE;
         }
         if (to[k] == from[k]) {
             continue;
@@ -285,7 +285,7 @@ static void compare_ray(const tribo_tree *tree, const double from[3], const doub
     size_t at = 0;
     for (uint32_t i = 0; i < BOXES; i++) {
         const int told = at < count && found[at] == i;
-        const long double by = known.live[i] ? gap(known.boxes[i], from, to) : -INFINITY;
+        const long double by = known.live[i] ? gap(known.boxes[i], from, to) : -INFINITE;
         if (told) {
             assert_true(by >= -1e-12L);
             at++;
@@ -316,7 +316,7 @@ static void compare_all(problem_random *random, const tribo_tree *tree, int kind
     }
 }
 
-/* ---- random lives --------------------------------------------------------------------------------- */
+/* ---- random lives ----------------------------------------------------------------------------- */
 
 static void add(tribo_tree *tree, const double box[6])
 {
@@ -415,7 +415,7 @@ static void test_brute_force(void **state)
     }
 }
 
-/* ---- touching, signs of zero ---------------------------------------------------------------------- */
+/* ---- touching, signs of zero ------------------------------------------------------------------ */
 
 static void test_touching(void **state)
 {
@@ -446,7 +446,8 @@ static void test_touching(void **state)
     }
     assert_int_equal(tribo_tree_query_box(tree, least, least + 3, BOXES, found, &count), TRIBO_OK);
     assert_int_equal(count, 4);
-    /* Segments that end on a face, start on one, slide along one, pass a corner, and stop an ulp before. */
+    /* Segments that end on a face, start on one, slide along one, pass a corner, and stop an ulp
+     * before. */
     static const double rays[6][6] = {
         {-3.0, 0.5, 0.5, -1.0, 0.5, 0.5},   {2.0, 0.5, 0.5, 9.0, 0.25, 0.5},
         {-9.0, 0.5, 1.0, 9.0, 0.5, 1.0},    {3.0, 0.0, 0.0, 1.0, 2.0, 4.0},
@@ -462,8 +463,8 @@ static void test_touching(void **state)
     free(tree);
 }
 
-/* On a grid the truth is a comparison of fractions of small integers: neither missed nor invented, whatever
- * the unit. */
+/* On a grid the truth is a comparison of fractions of small integers: neither missed nor
+ * invented, whatever the unit. */
 static int meets_exactly(const int64_t box[6], const int64_t from[3], const int64_t to[3])
 {
     int64_t enter[2] = {0, 1}; /* numerator, denominator > 0 */
@@ -537,7 +538,7 @@ static void test_ray_on_grid(void **state)
     }
 }
 
-/* ---- history does not matter ---------------------------------------------------------------------- */
+/* ---- history does not matter ------------------------------------------------------------------ */
 
 static list list_of(const tribo_tree *tree)
 {
@@ -628,7 +629,7 @@ static void test_copied_block(void **state)
     free(copy);
 }
 
-/* ---- ids, capacity, statuses ---------------------------------------------------------------------- */
+/* ---- ids, capacity, statuses ------------------------------------------------------------------ */
 
 static void test_ids(void **state)
 {
@@ -805,7 +806,7 @@ static void test_room(void **state)
     free(tree);
 }
 
-/* ---- inside --------------------------------------------------------------------------------------- */
+/* ---- inside ----------------------------------------------------------------------------------- */
 
 /* Everything that the code relies on; returns the height. */
 static uint32_t inspect(inside_tree *tree)
@@ -935,7 +936,38 @@ static void test_height_bound(void **state)
     assert_true(fewest[MAX_HEIGHT] > MAX_CAPACITY);
 }
 
-/* Moves within the margin leave the tree alone; a box that has become much smaller does not keep its old bounds. */
+/* Enough steps of tidying put all pairs into depth-first order. */
+static void test_order_in_memory(void **state)
+{
+    (void)state;
+    problem_random random = {SEED};
+    inside_tree *tree = make_inside(BOXES, 0.0);
+    for (int round = 0; round < 3; round++) {
+        double box[6];
+        uint32_t id;
+        while (tree->count < BOXES - 1) {
+            draw(&random, CLUSTERED, box);
+            assert_int_equal(inside_tree_add(tree, box, box + 3, &id), TRIBO_OK);
+        }
+        for (int i = 0; i < 100 * round; i++) { /* with gaps and without */
+            (void)inside_tree_remove(tree, below(&random, BOXES));
+        }
+        for (int i = 0; i < 3 * BOXES; i++) {
+            tidy(tree);
+        }
+        (void)inspect(tree);
+        const tree_node *nodes = read_nodes(tree);
+        uint32_t last = nodes[0].link;
+        for (uint32_t pair = last; pair != 0; pair = next_pair(nodes, pair)) {
+            assert_true(pair >= last);
+            last = pair;
+        }
+    }
+    free(tree);
+}
+
+/* Moves within the margin leave the tree alone; a box that has become much smaller does not keep
+ * its old bounds. */
 static void test_margin(void **state)
 {
     (void)state;
@@ -968,7 +1000,7 @@ int main(void)
         cmocka_unit_test(test_sizes),        cmocka_unit_test(test_statuses),
         cmocka_unit_test(test_room),         cmocka_unit_test(test_invariants),
         cmocka_unit_test(test_shallow),      cmocka_unit_test(test_height_bound),
-        cmocka_unit_test(test_margin),
+        cmocka_unit_test(test_margin),       cmocka_unit_test(test_order_in_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

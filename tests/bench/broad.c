@@ -1,9 +1,10 @@
-/* Nanoseconds per body and step of the broad phase: every body moves a little, then all overlapping pairs are
- * listed. From 1e2 to 1e6 boxes at constant density, beside brute force and a plain sweep along one axis over the
- * same boxes in the same run. All three must find the same number of pairs.
+/* Nanoseconds per body and step of the broad phase: every body moves a little, then all overlapping
+ * pairs are listed. From 1e2 to 1e6 boxes at constant density, beside brute force and a plain sweep
+ * along one axis over the same boxes in the same run. All three must find the same number of pairs.
  *
- * Boxes lie at random, so that neighbours in space are strangers in memory: the worst case for caches, and what is
- * left of any order after a while. The clock is that of the thread; figures are medians over steps. */
+ * Boxes lie at random, so that neighbours in space are strangers in memory: the worst case for
+ * caches, and what is left of any order after a while. The clock is that of the thread; figures
+ * are medians over steps. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <tribo/broad.h>
