@@ -57,7 +57,7 @@ struct tribo_tree {
     uint32_t slot;      /* where the next one goes */
 };
 
-/* ---- layout of the block ---------------------------------------------------------------------- */
+/* ---- layout of the block -------------------------------------------------------------------- */
 
 static uint64_t words_of(uint64_t bits)
 {
@@ -142,7 +142,7 @@ tribo_status tribo_tree_init(void *block, uint32_t capacity, double margin, trib
     return TRIBO_OK;
 }
 
-/* ---- ids -------------------------------------------------------------------------------------- */
+/* ---- ids ------------------------------------------------------------------------------------ */
 
 /* Number of the lowest bit that is set; `bits` is not 0. */
 static uint32_t lowest_bit(uint64_t bits)
@@ -186,7 +186,7 @@ static void return_id(tribo_tree *tree, uint32_t id)
     }
 }
 
-/* ---- boxes ------------------------------------------------------------------------------------ */
+/* ---- boxes ---------------------------------------------------------------------------------- */
 
 static tribo_status check_box(const double low[3], const double high[3])
 {
@@ -288,7 +288,7 @@ static void reach(tribo_tree *tree, const tree_box *b)
     }
 }
 
-/* ---- shape of the tree ------------------------------------------------------------------------ */
+/* ---- shape of the tree ---------------------------------------------------------------------- */
 
 /* The box that ancestors of a node enclose. */
 TRIBO_ALWAYS_INLINE const tree_box *outer_box(tribo_tree *tree, uint32_t at)
@@ -524,7 +524,7 @@ static uint32_t take_off(tribo_tree *tree, uint32_t id)
     return parent;
 }
 
-/* ---- order in memory -------------------------------------------------------------------------- */
+/* ---- order in memory ------------------------------------------------------------------------ */
 
 /* Exchanges the places of two pairs of nodes, related or not. Links are set first: where a
  * parent is itself in one of the pairs, they move with it, and relink then corrects what is read
@@ -592,7 +592,7 @@ static void tidy(tribo_tree *tree)
     tree->slot += next == tree->slot;
 }
 
-/* ---- changes ---------------------------------------------------------------------------------- */
+/* ---- changes -------------------------------------------------------------------------------- */
 
 static int is_live(const tribo_tree *tree, uint32_t id)
 {
@@ -668,7 +668,7 @@ tribo_status tribo_tree_remove(tribo_tree *tree, uint32_t id)
     return TRIBO_OK;
 }
 
-/* ---- order of results ------------------------------------------------------------------------- */
+/* ---- order of results ----------------------------------------------------------------------- */
 
 #define DIGIT 8
 #define BUCKETS (1u << DIGIT)
@@ -810,7 +810,7 @@ static tribo_status finish(const tribo_tree *tree, results *found, size_t width,
     return TRIBO_OK;
 }
 
-/* ---- queries ---------------------------------------------------------------------------------- */
+/* ---- queries -------------------------------------------------------------------------------- */
 
 TRIBO_ALWAYS_INLINE void tell_pair(results *found, uint32_t a, uint32_t b)
 {

@@ -37,7 +37,7 @@
 
 enum { BOXES = 1000, SEED = 20160603 };
 
-/* ---- boxes, and what is known of them --------------------------------------------------------- */
+/* ---- boxes, and what is known of them ------------------------------------------------------- */
 
 typedef struct model {
     double boxes[BOXES][6];
@@ -197,7 +197,7 @@ static tribo_tree *make_tree(uint32_t capacity, double margin)
     return tree;
 }
 
-/* ---- brute force ------------------------------------------------------------------------------ */
+/* ---- brute force ---------------------------------------------------------------------------- */
 
 static int overlap(const double *a, const double *b)
 {
@@ -265,7 +265,7 @@ static long double gap(const double box[6], const double from[3], const double t
     for (int k = 0; k < 3; k++) {
         const long double along = (long double)to[k] - (long double)from[k];
         if (fmax(from[k], to[k]) < box[k] || fmin(from[k], to[k]) > box[3 + k]) {
-            return -INFINITE;
+            return -(long double)INFINITE;
         }
         if (to[k] == from[k]) {
             continue;
@@ -285,7 +285,8 @@ static void compare_ray(const tribo_tree *tree, const double from[3], const doub
     size_t at = 0;
     for (uint32_t i = 0; i < BOXES; i++) {
         const int told = at < count && found[at] == i;
-        const long double by = known.live[i] ? gap(known.boxes[i], from, to) : -INFINITE;
+        const long double by =
+            known.live[i] ? gap(known.boxes[i], from, to) : -(long double)INFINITE;
         if (told) {
             assert_true(by >= -1e-12L);
             at++;
@@ -316,7 +317,7 @@ static void compare_all(problem_random *random, const tribo_tree *tree, int kind
     }
 }
 
-/* ---- random lives ----------------------------------------------------------------------------- */
+/* ---- random lives --------------------------------------------------------------------------- */
 
 static void add(tribo_tree *tree, const double box[6])
 {
@@ -415,7 +416,7 @@ static void test_brute_force(void **state)
     }
 }
 
-/* ---- touching, signs of zero ------------------------------------------------------------------ */
+/* ---- touching, signs of zero ---------------------------------------------------------------- */
 
 static void test_touching(void **state)
 {
@@ -538,7 +539,7 @@ static void test_ray_on_grid(void **state)
     }
 }
 
-/* ---- history does not matter ------------------------------------------------------------------ */
+/* ---- history does not matter ---------------------------------------------------------------- */
 
 static list list_of(const tribo_tree *tree)
 {
@@ -629,7 +630,7 @@ static void test_copied_block(void **state)
     free(copy);
 }
 
-/* ---- ids, capacity, statuses ------------------------------------------------------------------ */
+/* ---- ids, capacity, statuses ---------------------------------------------------------------- */
 
 static void test_ids(void **state)
 {
@@ -800,13 +801,14 @@ static void test_room(void **state)
     assert_int_equal(tribo_tree_query_box(tree, low, low, 99, out, &count), TRIBO_ERROR_CAPACITY);
     assert_int_equal(tribo_tree_query_box(tree, low, low, 100, out, &count), TRIBO_OK);
     free(out);
+    free(tree);
     tree = make_tree(1, 0.0);
     assert_int_equal(tribo_tree_pairs(tree, 0, NULL, &count), TRIBO_OK);
     assert_int_equal(count, 0);
     free(tree);
 }
 
-/* ---- inside ----------------------------------------------------------------------------------- */
+/* ---- inside --------------------------------------------------------------------------------- */
 
 /* Everything that the code relies on; returns the height. */
 static uint32_t inspect(inside_tree *tree)
