@@ -63,6 +63,9 @@ enum {
     TRIBO_ERROR_ISA = 14,         /**< the instruction set is not available on this machine */
     TRIBO_ERROR_NAME = 15,        /**< no entry has that name */
     TRIBO_ERROR_ALIAS = 16,       /**< two arguments that must differ are the same object */
+    TRIBO_ERROR_CAPACITY = 17,    /**< the caller's buffer is too small; the size needed is told */
+    TRIBO_ERROR_MEMORY = 18,      /**< a library beneath could not allocate */
+    TRIBO_ERROR_DATA = 19,        /**< a block of data is not one that this library made */
     TRIBO_ERROR_NOT_FINITE = 20,  /**< an input is NaN or infinite */
     TRIBO_ERROR_RANGE = 21,       /**< a finite input or the result is outside of the stated
                                        range */
@@ -74,6 +77,9 @@ enum {
     TRIBO_ERROR_INERTIA = 31,     /**< inertia is asymmetric, indefinite, or of no possible body */
     TRIBO_ERROR_SHAPE = 32,       /**< a length or density of a shape is not positive */
     TRIBO_ERROR_TIME_STEP = 33,   /**< the time step is negative, or too long to be resolved */
+    TRIBO_ERROR_DEGENERATE = 34,  /**< points span no volume, or no triangle has an area */
+    TRIBO_ERROR_SUPPORT = 35,     /**< a user's support function contradicts itself */
+    TRIBO_ERROR_PAIR = 36,        /**< these two kinds of shapes cannot be tested against each other */
     TRIBO_ERROR_FRICTION = 40,    /**< mu_s < 0, mu_d < 0 or mu_s < mu_d */
     TRIBO_ERROR_RESTITUTION = 41, /**< e lies outside of [0, 1] (tangential: [-1, 1]) */
     TRIBO_ERROR_CONTACT_MATRIX = 50, /**< the contact matrix is not positive semidefinite */

@@ -1,0 +1,988 @@
+/* Contact points of two convex shapes by clipping the faces that look at each other.
+ *
+ * Everything is seen along the normal n, in coordinates (h, u, v) of the contact frame (n, t1, t2):
+ * the faces become polygons in the plane, the points are the corners of their overlap, and the
+ * distance at a point is the difference of the heights h of the two faces above it. */
+#include "pair.h"
+
+#include "rows.h"
+
+#include <tribo/math.h>
+
+#define ALIGNED \
+    0.9995 /* cosine: up to here faces tilted against the normal still lie on each other */
+#define SNAP_ANGLE 0.9  /* cosine: faces that are worth a look for a better normal */
+#define SNAP_WIDTH 1e-9 /* of the distance: by so much a face's normal may be worse than the axis */
+#define CLIP_ROUNDING 1e-12 /* of the lengths: on the line is inside */
+#define PARALLEL 1e-3       /* sine of the angle up to which two edges are one line of contact */
+#define MERGE 1e-9          /* of the size: points that are one */
+#define BETTER 1.000001     /* ratio of areas, or of squares, that is worth another choice */
+#define TILT 1e-5           /* radians by which supports are tilted to feel along a face */
+#define RIDGE 1e-6 /* of the size: up to so much above the deepest point two ridges still touch */
+
+enum { SAMPLES = 10 };
+
+/* ---- faces ---------------------------------------------------------------------------------- */
+
+int clip_take_face(const pair_query *query, int side, const double direction[3], pair_face *face)
+{
+    const double *r = side == 0 ? query->ra : query->rb;
+    double local[3];
+    tribo_mat3_apply_transposed(r, direction, local);
+    face->count = shape_face(side == 0 ? query->a : query->b, local, face->points, face->normal,
+                             &face->feature);
+    tribo_mat3_apply(r, face->normal, face->normal);
+    for (uint32_t i = 0; i < face->count; i++) {
+        double *p = face->points + 3 * i;
+        tribo_mat3_apply(r, p, p);
+        if (side != 0) {
+            tribo_vec3_add(p, query->offset, p);
+        }
+    }
+    return face->count > 0;
+}
+
+/* Support point of A (side 0) or B along a direction, world axes, origin at A. */
+static int take_support(const pair_query *query, int side, const double direction[3],
+                        double point[3])
+{
+    const double *r = side == 0 ? query->ra : query->rb;
+    double local[3];
+    tribo_mat3_apply_transposed(r, direction, local);
+    if (!shape_support(side == 0 ? query->a : query->b, local, point)) {
+        return 0;
+    }
+    tribo_mat3_apply(r, point, point);
+    if (side != 0) {
+        tribo_vec3_add(point, query->offset, point);
+    }
+    return 1;
+}
+
+static double extent(const double v[3])
+{
+    return absolute(v[0]) + absolute(v[1]) + absolute(v[2]);
+}
+
+int clip_distance(const pair_query *query, const double n[3], double *distance, double *rounding)
+{
+    const double back[3] = {0.0 - n[0], 0.0 - n[1], 0.0 - n[2]};
+    double a[3];
+    double b[3];
+    if (!take_support(query, 0, back, a) || !take_support(query, 1, n, b)) {
+        return 0;
+    }
+    *distance = tribo_vec3_dot(a, n) - tribo_vec3_dot(b, n);
+    *rounding = PAIR_ROUNDING * (extent(a) + extent(b) + extent(query->offset));
+    return 1;
+}
+
+/* ---- polygons along the normal -------------------------------------------------------------- */
+
+typedef struct polygon {
+    uint32_t count;
+    uint32_t feature;
+    double size;     /* greatest distance of a corner from the first along u or v */
+    double slope[2]; /* height gained per length along u and v */
+    double h[TRIBO_MAX_FACE];
+    double u[TRIBO_MAX_FACE];
+    double v[TRIBO_MAX_FACE];
+} polygon;
+
+static void flatten(const pair_face *face, const double frame[9], polygon *out)
+{
+    double size = 0.0;
+    out->count = face->count;
+    out->feature = face->feature;
+    for (uint32_t i = 0; i < face->count; i++) {
+        const double *p = face->points + 3 * i;
+        out->h[i] = tribo_vec3_dot(frame, p);
+        out->u[i] = tribo_vec3_dot(frame + 3, p);
+        out->v[i] = tribo_vec3_dot(frame + 6, p);
+        size = greater(size, absolute(out->u[i] - out->u[0]));
+        size = greater(size, absolute(out->v[i] - out->v[0]));
+    }
+    out->size = size;
+    const double along = tribo_vec3_dot(frame, face->normal);
+    out->slope[0] = along == 0.0 ? 0.0 : 0.0 - tribo_vec3_dot(frame + 3, face->normal) / along;
+    out->slope[1] = along == 0.0 ? 0.0 : 0.0 - tribo_vec3_dot(frame + 6, face->normal) / along;
+}
+
+static double height_at(const polygon *p, double u, double v)
+{
+    return p->h[0] + (p->slope[0] * (u - p->u[0]) + p->slope[1] * (v - p->v[0]));
+}
+
+/* +1 if the corners go round counter-clockwise in (u, v): so B's do, whose face looks along n. */
+static double winding_of(int side)
+{
+    return side == 0 ? -1.0 : 1.0;
+}
+
+/* Line through side j of a polygon. Its value is the distance from it times `length`, positive
+ * inside. */
+typedef struct line {
+    double u, v, c;
+    double length; /* of the side, or up to 1.5 times that: it saves a root */
+} line;
+
+static line side_line(const polygon *p, uint32_t j, double winding)
+{
+    const uint32_t k = j + 1 == p->count ? 0 : j + 1;
+    const double du = winding * (p->u[k] - p->u[j]);
+    const double dv = winding * (p->v[k] - p->v[j]);
+    const line l = {0.0 - dv, du, dv * p->u[j] - du * p->v[j], absolute(du) + absolute(dv)};
+    return l;
+}
+
+static double line_value(const line *l, double u, double v)
+{
+    return l->u * u + l->v * v + l->c;
+}
+
+/* ---- clipping (Sutherland and Hodgman, CACM 17 (1974) 32) ----------------------------------- */
+
+enum { OWN_SIDE = 64 }; /* sides of the clipping polygon are numbered from here */
+
+typedef struct corner {
+    double u, v, h;
+    uint32_t
+        inner; /* features on the clipped polygon and on the one that clips, without the face */
+    uint32_t outer;
+    uint32_t side; /* the side that leaves here */
+} corner;
+
+/* Where side p->side crosses side j of the clipping polygon of `count` sides. */
+static corner crossing(const corner *p, const corner *q, double dp, double dq, uint32_t j,
+                       uint32_t count)
+{
+    const double f = dp / (dp - dq);
+    corner x = {p->u + f * (q->u - p->u),
+                p->v + f * (q->v - p->v),
+                p->h + f * (q->h - p->h),
+                0,
+                0,
+                p->side};
+    if (p->side < OWN_SIDE) {
+        x.inner = pair_feature(0, PAIR_EDGE, p->side);
+        x.outer = pair_feature(0, PAIR_EDGE, j);
+    } else {
+        const uint32_t i = p->side - OWN_SIDE;
+        const uint32_t first = (j + 1) % count == i ? i : j;
+        x.inner = pair_feature(0, PAIR_FACE, 0);
+        x.outer = pair_feature(0, PAIR_VERTEX, first);
+    }
+    return x;
+}
+
+/* Keep what lies inside of side j; d are the values of its line at the corners. */
+static uint32_t clip_by_line(const corner *in, uint32_t n, const double *d, double slack,
+                             uint32_t j, uint32_t count, corner *out)
+{
+    uint32_t m = 0;
+    for (uint32_t i = 0; i < n && m + 2 <= PAIR_MAX_POINTS; i++) {
+        const uint32_t k = i + 1 == n ? 0 : i + 1;
+        const int inside = d[i] >= -slack;
+        const int next_inside = d[k] >= -slack;
+        if (inside) {
+            out[m++] = in[i];
+        }
+        if (inside && !next_inside) {
+            if (d[i] > slack) {
+                out[m++] = crossing(&in[i], &in[k], d[i], d[k], j, count);
+            }
+            out[m - 1].side = OWN_SIDE + j;
+        } else if (!inside && next_inside && d[k] > slack) {
+            out[m++] = crossing(&in[i], &in[k], d[i], d[k], j, count);
+        }
+    }
+    return m;
+}
+
+/* Overlap of two polygons: `inner` clipped by `outer`. Returns a pointer into the work space. */
+static const corner *clip_polygon(const polygon *inner, const polygon *outer, double winding,
+                                  double slack, corner work[2][PAIR_MAX_POINTS], uint32_t *count)
+{
+    uint32_t n = inner->count;
+    corner *from = work[0];
+    corner *to = work[1];
+    double d[PAIR_MAX_POINTS];
+    for (uint32_t i = 0; i < n; i++) {
+        const corner c = {inner->u[i],
+                          inner->v[i],
+                          inner->h[i],
+                          pair_feature(0, PAIR_VERTEX, i),
+                          pair_feature(0, PAIR_FACE, 0),
+                          i};
+        from[i] = c;
+    }
+    for (uint32_t j = 0; j < outer->count && n > 0; j++) {
+        const line l = side_line(outer, j, winding);
+        const double room = slack * l.length;
+        int cut = 0;
+        for (uint32_t i = 0; i < n; i++) {
+            d[i] = line_value(&l, from[i].u, from[i].v);
+            cut |= d[i] < -room;
+        }
+        if (cut) {
+            n = clip_by_line(from, n, d, room, j, outer->count, to);
+            corner *swap = from;
+            from = to;
+            to = swap;
+        }
+    }
+    *count = n;
+    return from;
+}
+
+/* A segment clipped by a polygon: two corners, or none. */
+static uint32_t clip_segment(const polygon *inner, const polygon *outer, double winding,
+                             double slack, corner out[2])
+{
+    double t[2] = {0.0, 1.0};
+    uint32_t cut[2] = {OWN_SIDE, OWN_SIDE};
+    for (uint32_t j = 0; j < outer->count; j++) {
+        const line l = side_line(outer, j, winding);
+        const double d[2] = {line_value(&l, inner->u[0], inner->v[0]),
+                             line_value(&l, inner->u[1], inner->v[1])};
+        const double room = slack * l.length;
+        if (d[0] < -room && d[1] < -room) {
+            return 0;
+        }
+        for (int end = 0; end < 2; end++) {
+            if (d[end] < -room) {
+                const double f = d[0] / (d[0] - d[1]);
+                const double at = f < 0.0 ? 0.0 : f > 1.0 ? 1.0 : f;
+                if (end == 0 ? at > t[0] : at < t[1]) {
+                    t[end] = at;
+                    cut[end] = j;
+                }
+            }
+        }
+    }
+    if (t[0] > t[1]) {
+        return 0;
+    }
+    for (int end = 0; end < 2; end++) {
+        const double f = t[end];
+        const int whole = cut[end] == OWN_SIDE;
+        corner c = {inner->u[0] + f * (inner->u[1] - inner->u[0]),
+                    inner->v[0] + f * (inner->v[1] - inner->v[0]),
+                    inner->h[0] + f * (inner->h[1] - inner->h[0]),
+                    0,
+                    0,
+                    0};
+        c.inner = pair_feature(0, whole ? PAIR_VERTEX : PAIR_EDGE, whole ? (uint32_t)end : 0);
+        c.outer = pair_feature(0, whole ? PAIR_FACE : PAIR_EDGE, whole ? 0 : cut[end]);
+        out[end] = c;
+    }
+    return 2;
+}
+
+/* ---- from the plane back into space --------------------------------------------------------- */
+
+static void place(const double frame[9], double u, double v, double h, double out[3])
+{
+    for (int i = 0; i < 3; i++) {
+        out[i] = frame[i] * h + (frame[3 + i] * u + frame[6 + i] * v);
+    }
+}
+
+static void name_features(const polygon p[2], int reference, uint32_t inner, uint32_t outer,
+                          pair_point *point)
+{
+    const uint32_t a = reference == 0 ? outer : inner;
+    const uint32_t b = reference == 0 ? inner : outer;
+    point->a = pair_feature(p[0].feature, 0, 0) | a;
+    point->b = pair_feature(p[1].feature, 0, 0) | b;
+}
+
+/* Corners of an overlap to points: `reference` is the polygon that clipped. */
+static uint32_t raise(const double frame[9], const polygon p[2], int reference, uint32_t count,
+                      const corner *corners, pair_point *points)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        const corner *c = corners + i;
+        const double h = height_at(&p[reference], c->u, c->v);
+        points[i].distance = reference == 0 ? h - c->h : c->h - h;
+        place(frame, c->u, c->v, 0.5 * (h + c->h), points[i].middle);
+        name_features(p, reference, c->inner, c->outer, &points[i]);
+    }
+    return count;
+}
+
+static double slack_of(const polygon p[2])
+{
+    double reach = 0.0;
+    for (int k = 0; k < 2; k++) {
+        reach = greater(reach, absolute(p[k].u[0]) + absolute(p[k].v[0]) + p[k].size);
+    }
+    return CLIP_ROUNDING * lesser(p[0].size, p[1].size) + PAIR_ROUNDING * reach;
+}
+
+static uint32_t overlap(const double frame[9], const polygon p[2], int reference,
+                        pair_point *points)
+{
+    corner work[2][PAIR_MAX_POINTS];
+    const polygon *inner = &p[1 - reference];
+    const polygon *outer = &p[reference];
+    const double winding = winding_of(reference);
+    uint32_t count;
+    if (inner->count == 2) {
+        count = clip_segment(inner, outer, winding, slack_of(p), work[0]);
+        return raise(frame, p, reference, count, work[0], points);
+    }
+    const corner *corners = clip_polygon(inner, outer, winding, slack_of(p), work, &count);
+    return raise(frame, p, reference, count, corners, points);
+}
+
+static void frame_of(const double n[3], double frame[9])
+{
+    basis_rows(n[0], n[1], n[2], frame);
+}
+
+uint32_t clip_faces(const pair_query *query, const pair_face faces[2], int reference,
+                    const pair_axis *axis, pair_point points[PAIR_MAX_POINTS])
+{
+    double frame[9];
+    polygon p[2];
+    (void)query;
+    frame_of(axis->normal, frame);
+    flatten(&faces[0], frame, &p[0]);
+    flatten(&faces[1], frame, &p[1]);
+    return overlap(frame, p, reference, points);
+}
+
+/* ---- degenerate faces ----------------------------------------------------------------------- */
+
+/* One point, of a curved place at least on one side. */
+static uint32_t touch_at_point(const pair_face faces[2], const pair_axis *axis, pair_point *point)
+{
+    const double half = 0.5 * axis->distance;
+    const int a = faces[0].count == 1;
+    const int b = faces[1].count == 1;
+    for (int i = 0; i < 3; i++) {
+        const double from_a = faces[0].points[i] - half * axis->normal[i];
+        const double from_b = faces[1].points[i] + half * axis->normal[i];
+        point->middle[i] = a && b ? 0.5 * (from_a + from_b) : a ? from_a : from_b;
+    }
+    point->distance = axis->distance;
+    point->a = pair_feature(faces[0].feature, a ? PAIR_CURVED : PAIR_FACE, 0);
+    point->b = pair_feature(faces[1].feature, b ? PAIR_CURVED : PAIR_FACE, 0);
+    return 1;
+}
+
+static double held(double t)
+{
+    return t < 0.0 ? 0.0 : t > 1.0 ? 1.0 : t;
+}
+
+/* The point at parameter s of A's edge and t of B's. */
+static void between_edges(const double frame[9], const polygon p[2], double s, double t,
+                          pair_point *point)
+{
+    const double w[2] = {s, t};
+    double at[2][3];
+    for (int k = 0; k < 2; k++) {
+        at[k][0] = p[k].h[0] + w[k] * (p[k].h[1] - p[k].h[0]);
+        at[k][1] = p[k].u[0] + w[k] * (p[k].u[1] - p[k].u[0]);
+        at[k][2] = p[k].v[0] + w[k] * (p[k].v[1] - p[k].v[0]);
+    }
+    place(frame, 0.5 * (at[0][1] + at[1][1]), 0.5 * (at[0][2] + at[1][2]),
+          0.5 * (at[0][0] + at[1][0]), point->middle);
+    point->distance = at[0][0] - at[1][0];
+    point->a = pair_feature(p[0].feature, PAIR_EDGE, 0);
+    point->b = pair_feature(p[1].feature, PAIR_EDGE, 0);
+}
+
+/* Edges of two rounded shapes: one point where they cross, the ends of the overlap where they are
+ * parallel. */
+static uint32_t touch_at_edges(const double frame[9], const polygon p[2], double distance,
+                               pair_point points[2])
+{
+    const double au = p[0].u[1] - p[0].u[0];
+    const double av = p[0].v[1] - p[0].v[0];
+    const double bu = p[1].u[1] - p[1].u[0];
+    const double bv = p[1].v[1] - p[1].v[0];
+    const double du = p[1].u[0] - p[0].u[0];
+    const double dv = p[1].v[0] - p[0].v[0];
+    const double aa = au * au + av * av;
+    const double bb = bu * bu + bv * bv;
+    const double turn = au * bv - av * bu;
+    if (turn * turn > PARALLEL * PARALLEL * (aa * bb)) {
+        between_edges(frame, p, held((du * bv - dv * bu) / turn), held((du * av - dv * au) / turn),
+                      &points[0]);
+        points[0].distance = distance;
+        return 1;
+    }
+    if (!(aa > 0.0 && bb > 0.0)) {
+        between_edges(frame, p, 0.5, 0.5, &points[0]);
+        points[0].distance = distance;
+        return 1;
+    }
+    const double s0 = (du * au + dv * av) / aa;
+    const double s1 = s0 + (bu * au + bv * av) / aa;
+    const double s[2] = {held(lesser(s0, s1)), held(greater(s0, s1))};
+    uint32_t count = 0;
+    for (int k = 0; k < 2 && (k == 0 || s[1] > s[0]); k++) {
+        const int at_a = s[k] == (double)k;
+        const int at_b = (s0 < s1) == (k == 0) ? 0 : 1;
+        between_edges(frame, p, s[k], held((s[k] - s0) / (s1 - s0)), &points[count]);
+        if (at_a) {
+            points[count].a = pair_feature(p[0].feature, PAIR_VERTEX, (uint32_t)k);
+        } else {
+            points[count].b = pair_feature(p[1].feature, PAIR_VERTEX, (uint32_t)at_b);
+        }
+        count++;
+    }
+    return count;
+}
+
+/* ---- the axis and the faces ----------------------------------------------------------------- */
+
+/* Where a face of either shape looks along the axis nearly, its normal is exact and the axis has
+ * noise that a large face turns into depth: take it unless it is worse. Returns the face's side, or
+ * -1. */
+static int snap(const pair_query *query, const pair_face faces[2], pair_axis *axis)
+{
+    int best = -1;
+    const pair_axis given = *axis;
+    for (int side = 0; side < 2; side++) {
+        const double sign = side == 0 ? -1.0 : 1.0;
+        const double *n = faces[side].normal;
+        if (faces[side].count < 3 || !(sign * tribo_vec3_dot(n, given.normal) > SNAP_ANGLE)) {
+            continue;
+        }
+        pair_axis face;
+        double rounding;
+        tribo_vec3_scale(sign, n, face.normal);
+        if (!clip_distance(query, face.normal, &face.distance, &rounding)) {
+            continue;
+        }
+        const double gain = face.distance - axis->distance;
+        const double slack = SNAP_WIDTH * absolute(axis->distance) + rounding;
+        if (best < 0 ? gain >= -slack : gain > slack) {
+            *axis = face;
+            best = side;
+        }
+    }
+    return best;
+}
+
+/* The face that clips: the one that is more alike to a plane across the normal; A's if both are. */
+static int choose_reference(const pair_face faces[2], const double normal[3], double *cosine)
+{
+    const double a = faces[0].count < 3 ? -1.0 : 0.0 - tribo_vec3_dot(faces[0].normal, normal);
+    const double b = faces[1].count < 3 ? -1.0 : tribo_vec3_dot(faces[1].normal, normal);
+    const int reference = b > a + 4.0 * TRIBO_EPS ? 1 : 0;
+    *cosine = reference == 0 ? a : b;
+    return reference;
+}
+
+static uint32_t deepest_of(const pair_point *points, uint32_t count)
+{
+    uint32_t deepest = 0;
+    for (uint32_t i = 1; i < count; i++) {
+        if (points[i].distance < points[deepest].distance) {
+            deepest = i;
+        }
+    }
+    return deepest;
+}
+
+/* ---- where two shapes touch, by supports alone ---------------------------------------------- */
+
+/* Farthest points of A and B in directions tilted a little against the axis, and how B's lies
+ * beside A's. The shapes touch where a mixture of such pairs has its two points above each
+ * other. */
+typedef struct sample {
+    double a[3];
+    double b[3];
+    double u;
+    double v;
+} sample;
+
+typedef struct mixture {
+    uint32_t count; /* 1 to 3 samples */
+    uint32_t at[3];
+    double weight[3];
+    double u; /* what is left between the two points */
+    double v;
+} mixture;
+
+static int take_sample(const pair_query *query, const double frame[9], double u, double v,
+                       sample *out)
+{
+    double along[3];
+    double back[3];
+    for (int i = 0; i < 3; i++) {
+        along[i] = frame[i] + TILT * (u * frame[3 + i] + v * frame[6 + i]);
+        back[i] = 0.0 - along[i];
+    }
+    if (!take_support(query, 0, back, out->a) || !take_support(query, 1, along, out->b)) {
+        return 0;
+    }
+    double apart[3];
+    tribo_vec3_subtract(out->b, out->a, apart);
+    out->u = tribo_vec3_dot(frame + 3, apart);
+    out->v = tribo_vec3_dot(frame + 6, apart);
+    return 1;
+}
+
+/* Two samples: the point of their segment that is nearest to zero. */
+static void mix_two(const sample *s, uint32_t i, uint32_t j, mixture *best)
+{
+    const double du = s[j].u - s[i].u;
+    const double dv = s[j].v - s[i].v;
+    const double square = du * du + dv * dv;
+    const double t = square > 0.0 ? held(0.0 - (s[i].u * du + s[i].v * dv) / square) : 0.0;
+    const double u = s[i].u + t * du;
+    const double v = s[i].v + t * dv;
+    if (u * u + v * v < best->u * best->u + best->v * best->v) {
+        const mixture m = {2, {i, j, j}, {1.0 - t, t, 0.0}, u, v};
+        *best = m;
+    }
+}
+
+/* Three samples with zero among them. */
+static void mix_three(const sample *s, uint32_t i, uint32_t j, uint32_t k, mixture *best)
+{
+    const double a = s[j].u * s[k].v - s[j].v * s[k].u;
+    const double b = s[k].u * s[i].v - s[k].v * s[i].u;
+    const double c = s[i].u * s[j].v - s[i].v * s[j].u;
+    const double sum = a + b + c;
+    if ((a >= 0.0 && b >= 0.0 && c >= 0.0 && sum > 0.0) ||
+        (a <= 0.0 && b <= 0.0 && c <= 0.0 && sum < 0.0)) {
+        const mixture m = {3, {i, j, k}, {a / sum, b / sum, c / sum}, 0.0, 0.0};
+        *best = m;
+    }
+}
+
+/* What the newest of `count` samples adds. */
+static void mix(const sample *s, uint32_t count, mixture *best)
+{
+    const uint32_t last = count - 1;
+    if (count == 1) {
+        const mixture m = {1, {0, 0, 0}, {1.0, 0.0, 0.0}, s[0].u, s[0].v};
+        *best = m;
+    }
+    for (uint32_t i = 0; i < last; i++) {
+        mix_two(s, i, last, best);
+    }
+    for (uint32_t i = 0; i < last; i++) {
+        for (uint32_t j = i + 1; j < last; j++) {
+            mix_three(s, i, j, last, best);
+        }
+    }
+}
+
+/* The point where the shapes touch, when their faces do not hold it: rims of round shapes, corners
+ * and edges whose nearest faces look elsewhere. Samples are tilted towards what is left, as in GJK,
+ * but in the plane. */
+static uint32_t add_witness(const pair_query *query, const pair_face faces[2],
+                            const double frame[9], const pair_axis *axis, pair_point *point)
+{
+    sample s[SAMPLES];
+    mixture best = {0, {0, 0, 0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
+    double tilt[2] = {0.0, 0.0};
+    for (uint32_t count = 0; count < SAMPLES; count++) {
+        if (!take_sample(query, frame, tilt[0], tilt[1], &s[count])) {
+            return 0;
+        }
+        const double slack = CLIP_ROUNDING * (extent(s[count].a) + extent(s[count].b));
+        if (count > 0 && !(s[count].u * tilt[0] + s[count].v * tilt[1] >
+                           best.u * tilt[0] + best.v * tilt[1] + slack)) {
+            break;
+        }
+        mix(s, count + 1, &best);
+        const double left = sqrt(best.u * best.u + best.v * best.v);
+        if (!(left > slack)) {
+            break;
+        }
+        tilt[0] = 0.0 - best.u / left;
+        tilt[1] = 0.0 - best.v / left;
+    }
+    point->middle[0] = point->middle[1] = point->middle[2] = 0.0;
+    for (uint32_t k = 0; k < best.count; k++) {
+        const sample *from = &s[best.at[k]];
+        tribo_vec3_add_scaled(point->middle, 0.5 * best.weight[k], from->a, point->middle);
+        tribo_vec3_add_scaled(point->middle, 0.5 * best.weight[k], from->b, point->middle);
+    }
+    point->distance = axis->distance;
+    point->a = pair_feature(faces[0].feature, PAIR_CURVED, 0);
+    point->b = pair_feature(faces[1].feature, PAIR_CURVED, 0);
+    return 1;
+}
+
+/* ---- two faces ------------------------------------------------------------------------------ */
+
+/* Points of two faces of which the one that clips lies across the normal. */
+static uint32_t touch_at_faces(const pair_query *query, const pair_face faces[2],
+                               const polygon p[2], const double frame[9], int reference,
+                               const pair_axis *axis, pair_point *points)
+{
+    uint32_t count = overlap(frame, p, reference, points);
+    const double size = lesser(p[0].size, p[1].size);
+    const double slack = CLIP_ROUNDING * size + PAIR_ROUNDING * (absolute(p[0].h[0]) + size);
+    if (count == 0 || points[deepest_of(points, count)].distance > axis->distance + slack) {
+        count += add_witness(query, faces, frame, axis, &points[count]);
+    }
+    return count;
+}
+
+/* Edges that cross, or corners: no face lies across the normal. What is deepest in the overlap is
+ * where they touch; parallel edges have two such places. */
+static uint32_t touch_at_ridges(const pair_query *query, const pair_face faces[2],
+                                const polygon p[2], const double frame[9], int reference,
+                                const pair_axis *axis, pair_point *points)
+{
+    const uint32_t count = overlap(frame, p, reference, points);
+    const double room = RIDGE * lesser(p[0].size, p[1].size);
+    const double least = count > 0 ? points[deepest_of(points, count)].distance : 0.0;
+    if (count == 0 || absolute(least - axis->distance) > room) {
+        return add_witness(query, faces, frame, axis, points);
+    }
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        if (points[i].distance <= least + room) {
+            points[kept] = points[i];
+            points[kept].distance += axis->distance - least;
+            kept++;
+        }
+    }
+    return kept;
+}
+
+static uint32_t touch(const pair_query *query, const pair_face faces[2], const pair_axis *axis,
+                      double *size, pair_point *points)
+{
+    double frame[9];
+    polygon p[2];
+    double cosine;
+    *size = 0.0;
+    if (faces[0].count == 1 || faces[1].count == 1) {
+        return touch_at_point(faces, axis, points);
+    }
+    frame_of(axis->normal, frame);
+    flatten(&faces[0], frame, &p[0]);
+    flatten(&faces[1], frame, &p[1]);
+    *size = lesser(p[0].size, p[1].size);
+    if (faces[0].count == 2 && faces[1].count == 2) {
+        return touch_at_edges(frame, p, axis->distance, points);
+    }
+    const int reference = choose_reference(faces, axis->normal, &cosine);
+    return cosine >= ALIGNED ? touch_at_faces(query, faces, p, frame, reference, axis, points)
+                             : touch_at_ridges(query, faces, p, frame, reference, axis, points);
+}
+
+void clip_manifold(const pair_query *query, const pair_axis *axis, tribo_manifold *out)
+{
+    pair_face faces[2];
+    pair_point points[PAIR_MAX_POINTS];
+    pair_axis best = *axis;
+    double back[3] = {0.0 - best.normal[0], 0.0 - best.normal[1], 0.0 - best.normal[2]};
+    double size;
+    clip_nothing(out);
+    if (!(axis->distance <= query->margin) || !clip_take_face(query, 0, back, &faces[0]) ||
+        !clip_take_face(query, 1, best.normal, &faces[1])) {
+        return;
+    }
+    const int side = snap(query, faces, &best);
+    if (side == 0 && !clip_take_face(query, 1, best.normal, &faces[1])) {
+        return;
+    }
+    if (side == 1) {
+        tribo_vec3_scale(-1.0, best.normal, back);
+        if (!clip_take_face(query, 0, back, &faces[0])) {
+            return;
+        }
+    }
+    const uint32_t count = touch(query, faces, &best, &size, points);
+    if (count > 0) {
+        const uint32_t deepest = deepest_of(points, count);
+        points[deepest].distance = lesser(points[deepest].distance, query->margin);
+        clip_finish(query, best.normal, size, count, points, out);
+    }
+}
+
+/* ---- one face that is given ----------------------------------------------------------------- */
+
+static int is_over(const polygon *p, double winding, double slack, double u, double v)
+{
+    int over = 1;
+    for (uint32_t j = 0; j < p->count; j++) {
+        const line l = side_line(p, j, winding);
+        over = over && line_value(&l, u, v) >= -slack * l.length;
+    }
+    return over;
+}
+
+/* The lowest point of A, if it lies over the polygon and is lower than all others. */
+static uint32_t add_lowest(const pair_query *query, const polygon p[2], const double frame[9],
+                           double slack, uint32_t count, pair_point *points)
+{
+    const double down[3] = {0.0 - frame[0], 0.0 - frame[1], 0.0 - frame[2]};
+    double at[3];
+    if (!take_support(query, 0, down, at)) {
+        return 0;
+    }
+    const double u = tribo_vec3_dot(frame + 3, at);
+    const double v = tribo_vec3_dot(frame + 6, at);
+    const double h = tribo_vec3_dot(frame, at);
+    const double distance = h - p[1].h[0];
+    if (!is_over(&p[1], winding_of(1), slack, u, v) ||
+        (count > 0 && !(distance < points[deepest_of(points, count)].distance - slack))) {
+        return 0;
+    }
+    place(frame, u, v, 0.5 * (h + p[1].h[0]), points[count].middle);
+    points[count].distance = distance;
+    points[count].a = pair_feature(p[0].feature, PAIR_CURVED, 0);
+    points[count].b = pair_feature(p[1].feature, PAIR_FACE, 0);
+    return 1;
+}
+
+void clip_onto(const pair_query *query, const pair_face *face, tribo_manifold *out)
+{
+    pair_face faces[2];
+    pair_point points[PAIR_MAX_POINTS];
+    polygon p[2];
+    double frame[9];
+    const double down[3] = {0.0 - face->normal[0], 0.0 - face->normal[1], 0.0 - face->normal[2]};
+    clip_nothing(out);
+    faces[1] = *face;
+    if (!clip_take_face(query, 0, down, &faces[0])) {
+        return;
+    }
+    frame_of(face->normal, frame);
+    flatten(&faces[0], frame, &p[0]);
+    flatten(&faces[1], frame, &p[1]);
+    const double slack = slack_of(p);
+    uint32_t count = p[0].count == 1 ? 0 : overlap(frame, p, 1, points);
+    count += add_lowest(query, p, frame, slack, count, points);
+    if (count > 0) {
+        clip_finish(query, face->normal, lesser(p[0].size, p[1].size), count, points, out);
+    }
+}
+
+/* ---- choice of points ----------------------------------------------------------------------- */
+
+/* Points in order around their area, and what each adds to it. */
+typedef struct ring {
+    uint32_t count;
+    uint32_t order[PAIR_MAX_POINTS];
+    double ear
+        [PAIR_MAX_POINTS]; /* of the point at this place of the order: twice the triangle's area */
+    double u[PAIR_MAX_POINTS];
+    double v[PAIR_MAX_POINTS];
+} ring;
+
+/* Twice the signed area of a triangle. */
+static double area(const ring *r, uint32_t i, uint32_t j, uint32_t k)
+{
+    return (r->u[j] - r->u[i]) * (r->v[k] - r->v[i]) - (r->v[j] - r->v[i]) * (r->u[k] - r->u[i]);
+}
+
+static uint32_t before(const ring *r, uint32_t place)
+{
+    return place == 0 ? r->count - 1 : place - 1;
+}
+
+static uint32_t after(const ring *r, uint32_t place)
+{
+    return place + 1 == r->count ? 0 : place + 1;
+}
+
+static void measure_ear(ring *r, uint32_t place)
+{
+    r->ear[place] =
+        absolute(area(r, r->order[before(r, place)], r->order[place], r->order[after(r, place)]));
+}
+
+/* Put point i, which is in no order, where it lies farthest off a side. */
+static void insert_point(ring *r, uint32_t i)
+{
+    double total = 0.0;
+    for (uint32_t k = 2; k < r->count; k++) {
+        total += area(r, r->order[0], r->order[k - 1], r->order[k]);
+    }
+    const double sign = total < 0.0 ? 1.0 : -1.0;
+    double most = -(double)INFINITY;
+    uint32_t place = 0;
+    for (uint32_t k = 0; k < r->count; k++) {
+        const double gain = sign * area(r, r->order[k], r->order[after(r, k)], i);
+        if (gain > most) {
+            most = gain;
+            place = k + 1;
+        }
+    }
+    for (uint32_t k = r->count; k > place; k--) {
+        r->order[k] = r->order[k - 1];
+    }
+    r->order[place] = i;
+    r->count++;
+}
+
+static void take_ring(const double normal[3], uint32_t count, const pair_point *points, ring *r)
+{
+    double frame[9];
+    const uint32_t last = count - 1;
+    const int is_alone = (points[last].a >> 6 & 3u) == PAIR_CURVED;
+    frame_of(normal, frame);
+    for (uint32_t i = 0; i < count; i++) {
+        r->u[i] = tribo_vec3_dot(frame + 3, points[i].middle);
+        r->v[i] = tribo_vec3_dot(frame + 6, points[i].middle);
+        r->order[i] = i;
+    }
+    /* Corners come in order; a support point stands behind them. */
+    r->count = is_alone ? last : count;
+    if (r->count < count) {
+        insert_point(r, last);
+    }
+}
+
+static void remove_place(ring *r, uint32_t place)
+{
+    r->count--;
+    for (uint32_t k = place; k < r->count; k++) {
+        r->order[k] = r->order[k + 1];
+        r->ear[k] = r->ear[k + 1];
+    }
+    const uint32_t next = place == r->count ? 0 : place;
+    measure_ear(r, next);
+    measure_ear(r, before(r, next));
+}
+
+/* Take away what adds least to the area until `max` points are left. The deepest one stays, unless
+ * all are as deep: then it says nothing. */
+static void thin_ring(ring *r, uint32_t max, uint32_t deepest)
+{
+    for (uint32_t k = 0; k < r->count; k++) {
+        measure_ear(r, k);
+    }
+    while (r->count > max) {
+        uint32_t least = r->order[0] == deepest ? 1 : 0;
+        for (uint32_t k = least + 1; k < r->count; k++) {
+            if (r->ear[k] * BETTER < r->ear[least] && r->order[k] != deepest) {
+                least = k;
+            }
+        }
+        remove_place(r, least);
+    }
+}
+
+/* The deepest point and the one that is farthest from it. */
+static void choose_two(ring *r, uint32_t max, uint32_t deepest)
+{
+    double best = -1.0;
+    uint32_t farthest = deepest;
+    for (uint32_t k = 0; k < r->count; k++) {
+        const double u = r->u[k] - r->u[deepest];
+        const double v = r->v[k] - r->v[deepest];
+        if (u * u + v * v > best * BETTER) {
+            best = u * u + v * v;
+            farthest = k;
+        }
+    }
+    r->order[0] = deepest;
+    r->order[1] = farthest;
+    r->count = max;
+}
+
+/* Choose `max` of the points: the deepest, and those that keep the largest area. */
+static void choose_points(const double normal[3], double slack, uint32_t max, uint32_t count,
+                          const pair_point *points, ring *r)
+{
+    const uint32_t deepest = deepest_of(points, count);
+    take_ring(normal, count, points, r);
+    if (max < 3) {
+        choose_two(r, max, deepest);
+        return;
+    }
+    double most = points[0].distance;
+    for (uint32_t i = 1; i < count; i++) {
+        most = greater(most, points[i].distance);
+    }
+    thin_ring(r, max, most > points[deepest].distance + slack ? deepest : PAIR_MAX_POINTS);
+}
+
+static int is_same(const double a[3], const double b[3], double reach)
+{
+    return absolute(a[0] - b[0]) <= reach && absolute(a[1] - b[1]) <= reach &&
+           absolute(a[2] - b[2]) <= reach;
+}
+
+/* Drop what is farther apart than the margin, and points that coincide with one before. */
+static uint32_t sift(double margin, double reach, uint32_t count, pair_point *points)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        int known = !(points[i].distance <= margin);
+        for (uint32_t k = 0; k < kept && reach > 0.0 && !known; k++) {
+            known = is_same(points[i].middle, points[k].middle, reach);
+        }
+        if (!known) {
+            if (kept != i) {
+                points[kept] = points[i];
+            }
+            kept++;
+        }
+    }
+    return kept;
+}
+
+static void write_point(const pair_query *query, const pair_point *from, tribo_point *to)
+{
+    const double *middle = from->middle;
+    const double *offset = query->offset;
+    const double other[3] = {middle[0] - offset[0], middle[1] - offset[1], middle[2] - offset[2]};
+    memcpy(query->turned ? to->arm_b : to->arm_a, middle, sizeof to->arm_a);
+    memcpy(query->turned ? to->arm_a : to->arm_b, other, sizeof to->arm_b);
+    to->distance = from->distance;
+    to->id = query->turned ? (uint64_t)from->b << 32 | from->a : (uint64_t)from->a << 32 | from->b;
+}
+
+void clip_nothing(tribo_manifold *out)
+{
+    memset(out, 0, offsetof(tribo_manifold, points));
+}
+
+static void write_head(const pair_query *query, const double normal[3], uint32_t count,
+                       tribo_manifold *out)
+{
+    const double sign = query->turned ? -1.0 : 1.0;
+    clip_nothing(out);
+    out->count = count;
+    out->normal[0] = 0.0 + sign * normal[0];
+    out->normal[1] = 0.0 + sign * normal[1];
+    out->normal[2] = 0.0 + sign * normal[2];
+}
+
+void clip_write(const pair_query *query, const double normal[3], uint32_t count,
+                const pair_point *points, tribo_manifold *out)
+{
+    write_head(query, normal, count, out);
+    for (uint32_t i = 0; i < count; i++) {
+        write_point(query, &points[i], &out->points[i]);
+    }
+}
+
+void clip_finish(const pair_query *query, const double normal[3], double size, uint32_t count,
+                 pair_point *points, tribo_manifold *out)
+{
+    const double slack = PAIR_ROUNDING * (size + extent(points[0].middle) + extent(query->offset));
+    const uint32_t kept = sift(query->margin + slack, MERGE * size, count, points);
+    if (kept == 0) {
+        clip_nothing(out);
+        return;
+    }
+    if (kept <= query->max_points) {
+        clip_write(query, normal, kept, points, out);
+        return;
+    }
+    ring r;
+    choose_points(normal, slack, query->max_points, kept, points, &r);
+    write_head(query, normal, r.count, out);
+    for (uint32_t i = 0; i < r.count; i++) {
+        write_point(query, &points[r.order[i]], &out->points[i]);
+    }
+}

@@ -1,0 +1,1191 @@
+/* Axis of least translation of two convex shapes, by their support functions alone.
+ *
+ * Both shapes enter as one convex set M = B - A, its points relative to where A is; of spheres and
+ * capsules only their points and segments do, their radii are added to the width afterwards. The
+ * width of the pair along a unit direction n is w(n) = max { n . m : m in M }: the way A has to be
+ * moved along n until the two part, and the same number negative, the gap between them, once they
+ * have. The answer is the n of least w, and every support call tells w exactly for its own
+ * direction. So nothing here is trusted but these widths: the least that was seen wins.
+ *
+ * - libccd's MPR (Snethen 2008) gives a start, rarely the minimum. Its loops have no limit: see
+ *   `bounded`.
+ * - Kinks. Where faces or edges meet, the direction is known to the bit from the faces.
+ * - Newton where M is smooth, along a great circle where an edge meets a curved place.
+ * - Descent everywhere else. w is convex, the unit sphere is not. Move M by -s n, s a little more
+ *   than w(n), so that it leaves the origin, and let n' point from its nearest point to the
+ *   origin: then w(n') <= w(n) - s (1 - n . n'). This is the convex-concave procedure; it ends in
+ *   a local minimum, and with s = 0 it is the distance of two bodies that are apart. Nearest
+ *   points by GJK (Gilbert, Johnson, Keerthi 1988), own, because libccd answers no distance query
+ *   and its tolerances are absolute.
+ * - A survey of all of M by an expanding polytope (van den Bergen 2001) says whether another local
+ *   minimum lies deeper: a polytope within M bounds the least width from below. Own as well:
+ *   libccd's ended early in one deep pair of twenty, compares squares of lengths, has no limit,
+ *   and allocates. */
+#include "pair.h"
+
+#include "rows.h"
+
+#include <ccd/ccd.h>
+
+enum {
+    MPR_CALLS = 100,
+    GJK_ROUNDS = 40,
+    DESCENTS = 16,
+    NEWTON_STEPS = 8,
+    POINTS = 100,
+    FACETS = 2 * POINTS
+};
+
+typedef struct search {
+    const pair_query *pair;
+    double scale;       /* a power of two: lengths here are lengths there times scale */
+    double center_a[3]; /* cores, in the axes of their shapes, metres */
+    double center_b[3];
+    double offset[3]; /* core of B minus core of A, world axes, scaled */
+    double margin;    /* up to which gap of M the axis matters: the pair's and both radii */
+    double radius;    /* of both, scaled */
+    double small;     /* lesser of the outer radii, in [1, 2) */
+    double inner;     /* lesser of the inner radii */
+    double reach;     /* sum of the outer radii */
+    double rounding;  /* of a width */
+    double normal[3]; /* direction of the least width seen */
+    double width;
+    uint64_t calls; /* of M; each is one of A and one of B */
+    uint64_t limit; /* beyond this many libccd is told to stop */
+    int flat;       /* M is a polytope */
+    int stopped;    /* it has been */
+    int fault;      /* a support is not finite or contradicts another */
+} search;
+
+/* ---- vectors --------------------------------------------------------------------------------- */
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void cross(const double a[3], const double b[3], double c[3])
+{
+    c[0] = a[1] * b[2] - a[2] * b[1];
+    c[1] = a[2] * b[0] - a[0] * b[2];
+    c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+static void subtract(const double a[3], const double b[3], double c[3])
+{
+    c[0] = a[0] - b[0];
+    c[1] = a[1] - b[1];
+    c[2] = a[2] - b[2];
+}
+
+static void copy(const double from[3], double to[3])
+{
+    memcpy(to, from, 3 * sizeof *to);
+}
+
+static double length(const double v[3])
+{
+    return sqrt(dot(v, v));
+}
+
+/* u = v / |v|; 0 if v is zero or not finite. */
+static int unit(const double v[3], double u[3])
+{
+    const double square = dot(v, v);
+    if (square > 1e-200 && square < 1e200) {
+        const double inverse = 1.0 / sqrt(square);
+        for (int i = 0; i < 3; i++) {
+            u[i] = v[i] * inverse;
+        }
+        return 1;
+    }
+    const double big = greater(greater(absolute(v[0]), absolute(v[1])), absolute(v[2]));
+    if (!(big > 0.0) || !all_finite(v, 3)) {
+        return 0;
+    }
+    const double scale = power_of_two(scale_exponent(big));
+    const double x[3] = {v[0] * scale, v[1] * scale, v[2] * scale};
+    const double size = length(x);
+    for (int i = 0; i < 3; i++) {
+        u[i] = x[i] / size;
+    }
+    return 1;
+}
+
+/* n turned towards t, square to it, by an angle whose tangent is x. */
+static void turn(const double n[3], const double t[3], double x, double out[3])
+{
+    const double v[3] = {n[0] + x * t[0], n[1] + x * t[1], n[2] + x * t[2]};
+    (void)unit(v, out);
+}
+
+static void rotate(const double r[9], const double v[3], double out[3])
+{
+    for (int i = 0; i < 3; i++) {
+        out[i] = r[3 * i] * v[0] + r[3 * i + 1] * v[1] + r[3 * i + 2] * v[2];
+    }
+}
+
+static void rotate_back(const double r[9], const double v[3], double sign, double out[3])
+{
+    for (int i = 0; i < 3; i++) {
+        out[i] = sign * (r[i] * v[0] + r[3 + i] * v[1] + r[6 + i] * v[2]);
+    }
+}
+
+/* ---- supports of M --------------------------------------------------------------------------- */
+
+/* Radius by which a shape is more than its bone: the point or segment of a sphere or capsule. */
+static double radius_of(const tribo_shape *shape)
+{
+    return shape->type == TRIBO_SHAPE_SPHERE || shape->type == TRIBO_SHAPE_CAPSULE ? shape->size[0]
+                                                                                   : 0.0;
+}
+
+static int bone_support(const tribo_shape *shape, const double direction[3], double point[3])
+{
+    if (radius_of(shape) > 0.0) {
+        const double half = shape->type == TRIBO_SHAPE_CAPSULE ? shape->size[1] : 0.0;
+        point[0] = point[1] = 0.0;
+        point[2] = direction[2] < 0.0 ? 0.0 - half : half;
+        return 1;
+    }
+    return shape_support(shape, direction, point);
+}
+
+/* Support point of one shape without its radius from its core, world axes, scaled; 0 if there is
+ * none. */
+static int part(const tribo_shape *shape, const double r[9], const double center[3], double scale,
+                const double along[3], double sign, double out[3])
+{
+    double local[3];
+    double point[3];
+    rotate_back(r, along, sign, local);
+    if (!bone_support(shape, local, point)) {
+        return 0;
+    }
+    for (int i = 0; i < 3; i++) {
+        point[i] = (point[i] - center[i]) * scale;
+    }
+    rotate(r, point, out);
+    return 1;
+}
+
+/* Point of M farthest along the unit vector n; returns its width and notes it if it is the
+ * least. */
+static double support(search *s, const double n[3], double point[3])
+{
+    double a[3] = {0.0, 0.0, 0.0};
+    double b[3] = {0.0, 0.0, 0.0};
+    s->calls++;
+    if (!part(s->pair->a, s->pair->ra, s->center_a, s->scale, n, -1.0, a) ||
+        !part(s->pair->b, s->pair->rb, s->center_b, s->scale, n, 1.0, b)) {
+        s->fault = 1;
+    }
+    for (int i = 0; i < 3; i++) {
+        point[i] = s->offset[i] + (b[i] - a[i]);
+    }
+    const double width = dot(n, point);
+    const double limit = (1.0 + 1e-6) * s->reach;
+    const int behind = !(dot(n, a) <= s->rounding) || !(dot(n, b) >= 0.0 - s->rounding);
+    subtract(b, a, b);
+    if (behind || !(dot(b, b) <= limit * limit)) {
+        s->fault = 1; /* the core lies beyond the farthest point, or that outside of the ball */
+    }
+    if (width < s->width) {
+        s->width = width;
+        copy(n, s->normal);
+    }
+    return width;
+}
+
+static void probe(search *s, const double n[3])
+{
+    double point[3];
+    (void)support(s, n, point);
+}
+
+static int apart(const search *s)
+{
+    return s->width < -s->margin;
+}
+
+/* ---- libccd ---------------------------------------------------------------------------------- */
+
+/* M as libccd's first object. Once it has been asked too often, or the answer is known, it gets
+ * a point so far behind that all of its loops take the set for passed and end. A direction that
+ * is not a number fails all comparisons; libccd's loops end on that if the point is not a
+ * number either. */
+static void bounded(const void *object, const ccd_vec3_t *direction, ccd_vec3_t *out)
+{
+    search *s = (search *)(uintptr_t)object;
+    double n[3];
+    if (!unit(direction->v, n)) {
+        const double nothing = (double)NAN;
+        ccdVec3Set(out, nothing, nothing, nothing);
+        return;
+    }
+    if (s->calls >= s->limit || s->fault || apart(s)) {
+        s->stopped |= s->calls >= s->limit;
+        const double far = -1e6 * s->reach;
+        ccdVec3Set(out, far * n[0], far * n[1], far * n[2]);
+        return;
+    }
+    (void)support(s, n, out->v);
+}
+
+static void nowhere(const void *object, const ccd_vec3_t *direction, ccd_vec3_t *out)
+{
+    (void)object;
+    (void)direction;
+    ccdVec3Set(out, 0.0, 0.0, 0.0);
+}
+
+static void middle(const void *object, ccd_vec3_t *center)
+{
+    const search *s = object;
+    copy(s->offset, center->v);
+}
+
+static void origin(const void *object, ccd_vec3_t *center)
+{
+    (void)object;
+    ccdVec3Set(center, 0.0, 0.0, 0.0);
+}
+
+static void ask_mpr(search *s)
+{
+    ccd_t ccd;
+    ccd_real_t depth;
+    ccd_vec3_t direction;
+    ccd_vec3_t point;
+    CCD_INIT(&ccd);
+    ccd.support1 = bounded;
+    ccd.support2 = nowhere;
+    ccd.center1 = middle;
+    ccd.center2 = origin;
+    ccd.max_iterations = 50;
+    ccd.mpr_tolerance = 1e-3 * s->inner;
+    s->limit = s->calls + MPR_CALLS;
+    (void)ccdMPRPenetration(s, s, &ccd, &depth, &direction, &point);
+}
+
+/* ---- distance of the origin: GJK ------------------------------------------------------------- */
+
+typedef struct simplex {
+    double p[4][3]; /* points of M */
+    int count;
+} simplex;
+
+static void keep(simplex *x, int i, int j, int k, int count)
+{
+    const simplex old = *x;
+    const int from[3] = {i, j, k};
+    for (int t = 0; t < count; t++) {
+        copy(old.p[from[t]], x->p[t]);
+    }
+    x->count = count;
+}
+
+/* Nearest point of the segment a b to the origin, as the share of b. */
+static double on_segment(const double a[3], const double b[3])
+{
+    double d[3];
+    subtract(b, a, d);
+    const double along = 0.0 - dot(a, d);
+    const double size = dot(d, d);
+    return along <= 0.0 || size <= 0.0 ? 0.0 : along >= size ? 1.0 : along / size;
+}
+
+typedef struct nearest {
+    double v[3];
+    double square;
+    int vertex[3];
+    int count;
+} nearest;
+
+static void offer(nearest *best, const double v[3], int i, int j, int k, int count)
+{
+    const double square = dot(v, v);
+    if (square < best->square) {
+        copy(v, best->v);
+        best->square = square;
+        best->vertex[0] = i;
+        best->vertex[1] = j;
+        best->vertex[2] = k;
+        best->count = count;
+    }
+}
+
+static void offer_segment(nearest *best, double p[4][3], int i, int j)
+{
+    const double t = on_segment(p[i], p[j]);
+    double v[3];
+    for (int c = 0; c < 3; c++) {
+        v[c] = p[i][c] + t * (p[j][c] - p[i][c]);
+    }
+    if (t <= 0.0) {
+        offer(best, p[i], i, i, i, 1);
+    } else if (t >= 1.0) {
+        offer(best, p[j], j, j, j, 1);
+    } else {
+        offer(best, v, i, j, j, 2);
+    }
+}
+
+/* The triangle if the origin projects into it, else its edges. */
+static void offer_triangle(nearest *best, double p[4][3], int i, int j, int k)
+{
+    double e[3][3];
+    double n[3];
+    double t[3];
+    subtract(p[j], p[i], e[0]);
+    subtract(p[k], p[j], e[1]);
+    subtract(p[i], p[k], e[2]);
+    cross(e[0], e[1], n);
+    const double area = dot(n, n);
+    const int at[3] = {i, j, k};
+    int inside = area > 0.0;
+    for (int c = 0; c < 3; c++) {
+        cross(n, e[c], t); /* points inwards */
+        if (!(dot(t, p[at[c]]) <= 0.0)) {
+            offer_segment(best, p, at[c], at[(c + 1) % 3]);
+            inside = 0;
+        }
+    }
+    if (inside) {
+        const double f = dot(n, p[i]) / area;
+        const double v[3] = {f * n[0], f * n[1], f * n[2]};
+        offer(best, v, i, j, k, 3);
+    } else if (!(area > 0.0)) {
+        offer_segment(best, p, i, j);
+        offer_segment(best, p, j, k);
+        offer_segment(best, p, k, i);
+    }
+}
+
+/* 1 if the faces that see the origin have been offered, 0 if none does: it lies inside. */
+static int offer_tetrahedron(nearest *best, double p[4][3])
+{
+    static const int face[4][4] = {{0, 1, 2, 3}, {0, 1, 3, 2}, {0, 2, 3, 1}, {1, 2, 3, 0}};
+    int seen = 0;
+    for (int f = 0; f < 4; f++) {
+        const int *at = face[f];
+        double ab[3];
+        double ac[3];
+        double ad[3];
+        double n[3];
+        subtract(p[at[1]], p[at[0]], ab);
+        subtract(p[at[2]], p[at[0]], ac);
+        subtract(p[at[3]], p[at[0]], ad);
+        cross(ab, ac, n);
+        if (!(dot(n, ad) * dot(n, p[at[0]]) < 0.0)) {
+            offer_triangle(best, p, at[0], at[1], at[2]);
+            seen = 1;
+        }
+    }
+    return seen;
+}
+
+/* Nearest point of the simplex moved by -shift to the origin; keeps the vertices it needs.
+ * Returns 0 if the origin lies inside. */
+static int reduce(simplex *x, const double shift[3], double v[3])
+{
+    double p[4][3];
+    nearest best = {{0.0, 0.0, 0.0}, HUGE_VAL, {0, 0, 0}, 0};
+    for (int i = 0; i < x->count; i++) {
+        subtract(x->p[i], shift, p[i]);
+    }
+    if (x->count == 1) {
+        offer(&best, p[0], 0, 0, 0, 1);
+    } else if (x->count == 2) {
+        offer_segment(&best, p, 0, 1);
+    } else if (x->count == 3) {
+        offer_triangle(&best, p, 0, 1, 2);
+    } else if (!offer_tetrahedron(&best, p)) {
+        return 0;
+    }
+    if (best.count == 0) {
+        return 0;
+    }
+    keep(x, best.vertex[0], best.vertex[1], best.vertex[2], best.count);
+    copy(best.v, v);
+    return 1;
+}
+
+static int holds(const simplex *x, const double p[3])
+{
+    for (int i = 0; i < x->count; i++) {
+        if (x->p[i][0] == p[0] && x->p[i][1] == p[1] && x->p[i][2] == p[2]) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* Whether a known point of M lies farther along n than the farthest: a user's support lies. */
+static int contradicts(const search *s, const simplex *x, const double n[3], double width)
+{
+    int lie = 0;
+    for (int i = 0; i < x->count; i++) {
+        lie |= !(dot(n, x->p[i]) <= width + 1e-9 * s->reach);
+    }
+    return lie;
+}
+
+/* Probes directions towards the nearest point of M - shift until the distance is known to
+ * rounding, or to a twentieth of what has been won over `start`, or no better for some rounds.
+ * Returns 0 if M - shift holds the origin. */
+static int approach(search *s, simplex *x, const double shift[3], double start)
+{
+    double shortest = HUGE_VAL;
+    int stale = 0;
+    for (int round = 0; round < GJK_ROUNDS && stale < 3 && !s->fault && !apart(s); round++) {
+        double v[3];
+        double n[3];
+        double p[3];
+        if (!reduce(x, shift, v)) {
+            return 0;
+        }
+        const double away[3] = {0.0 - v[0], 0.0 - v[1], 0.0 - v[2]};
+        if (!unit(away, n)) {
+            return 0;
+        }
+        const double width = support(s, n, p);
+        const double gap = dot(shift, n) - width; /* lower bound of the distance */
+        s->fault |= contradicts(s, x, n, width);
+        const double left = length(v) - gap;
+        if (left <= greater(s->rounding, 0.05 * (gap - start)) || holds(x, p)) {
+            break;
+        }
+        stale = length(v) < shortest - 64.0 * s->rounding ? 0 : stale + 1;
+        shortest = lesser(shortest, length(v));
+        if (x->count < 4) {
+            copy(p, x->p[x->count++]);
+        }
+    }
+    return 1;
+}
+
+/* ---- smooth places: Newton ------------------------------------------------------------------- */
+
+/* Where Newton is: the width, its support point, and around it a basis of directions across n. */
+typedef struct place {
+    double n[3];
+    double across[2][3];
+    double p[3];
+    double width;
+    double slope[2];
+    double bend[3]; /* Hessian: 00, 01, 11 */
+} place;
+
+/* The gradient of w on the sphere is the support point's part across n, its Hessian the derivative of
+ * that minus w, here by differences. */
+static void differentiate(search *s, place *at)
+{
+    double f[9];
+    double column[2][2];
+    basis_rows(at->n[0], at->n[1], at->n[2], f);
+    for (int i = 0; i < 2; i++) {
+        copy(f + 3 + 3 * i, at->across[i]);
+        at->slope[i] = dot(at->p, at->across[i]);
+    }
+    const double slope = sqrt(at->slope[0] * at->slope[0] + at->slope[1] * at->slope[1]);
+    const double delta = lesser(greater(0.01 * slope / s->small, 1e-6), 1e-3);
+    for (int i = 0; i < 2; i++) {
+        double n[3];
+        double q[3];
+        turn(at->n, at->across[i], delta, n);
+        (void)support(s, n, q);
+        subtract(q, at->p, q);
+        column[i][0] = dot(q, at->across[0]) / delta;
+        column[i][1] = dot(q, at->across[1]) / delta;
+    }
+    at->bend[0] = column[0][0] - at->width;
+    at->bend[1] = 0.5 * (column[0][1] + column[1][0]);
+    at->bend[2] = column[1][1] - at->width;
+}
+
+enum { STEP_NONE, STEP_TAKEN, STEP_DONE };
+
+static int newton_step(search *s, place *at)
+{
+    differentiate(s, at);
+    const double *h = at->bend;
+    const double *t = at->slope;
+    const double det = h[0] * h[2] - h[1] * h[1];
+    if (!(h[0] > 0.0 && det > 1e-12 * (h[0] + h[2]) * (h[0] + h[2]))) {
+        return STEP_NONE;
+    }
+    const double x = (h[1] * t[1] - h[2] * t[0]) / det;
+    const double y = (h[1] * t[0] - h[0] * t[1]) / det;
+    const double gain = 0.0 - 0.5 * (t[0] * x + t[1] * y);
+    if (gain <= 0.25 * s->rounding) {
+        return STEP_DONE;
+    }
+    if (x * x + y * y > 0.1) {
+        return STEP_NONE;
+    }
+    double v[3];
+    for (int i = 0; i < 3; i++) {
+        v[i] = at->n[i] + x * at->across[0][i] + y * at->across[1][i];
+    }
+    (void)unit(v, at->n);
+    const double width = support(s, at->n, at->p);
+    const int better = width < at->width - 0.25 * gain;
+    at->width = width;
+    return better ? STEP_TAKEN : STEP_NONE;
+}
+
+/* Returns whether a local minimum was reached and is one; 0 where the surface is flat, edged or bent
+ * the wrong way. */
+static int newton(search *s)
+{
+    place at;
+    int step = STEP_TAKEN;
+    copy(s->normal, at.n);
+    at.width = support(s, at.n, at.p);
+    for (int k = 0; k < NEWTON_STEPS && step == STEP_TAKEN && !s->fault && !apart(s); k++) {
+        step = newton_step(s, &at);
+    }
+    return step == STEP_DONE;
+}
+
+/* ---- descent --------------------------------------------------------------------------------- */
+
+/* From the least width seen to a local minimum. */
+static void descend(search *s)
+{
+    simplex x;
+    x.count = 1;
+    (void)support(s, s->normal, x.p[0]);
+    for (int k = 0; k < DESCENTS && !s->fault && !apart(s); k++) {
+        const double width = s->width;
+        const double gap =
+            greater(greater(0.5 * absolute(width), 0.1 * s->inner), 1e6 * s->rounding);
+        const double way = greater(width + gap, 0.0);
+        const double shift[3] = {way * s->normal[0], way * s->normal[1], way * s->normal[2]};
+        const double start = way > 0.0 ? way - width : HUGE_VAL;
+        if (!approach(s, &x, shift, start) || newton(s) || width - s->width <= s->rounding ||
+            way == 0.0) {
+            return;
+        }
+    }
+}
+
+/* ---- all of M: expanding polytope ------------------------------------------------------------ */
+
+typedef struct facet {
+    double n[3]; /* outward unit normal */
+    double d;    /* n . x <= d inside */
+    int v[3];    /* counter-clockwise seen from outside */
+    int next[3]; /* facet across the side from v[i] to v[i + 1] */
+    int state;
+} facet;
+
+/* A THIN facet has no normal to speak of. It is never asked and goes as soon as a neighbour
+ * does. */
+enum { FACET_FREE, FACET_KEPT, FACET_THIN, FACET_SEEN };
+
+/* Polytope within M. */
+typedef struct polytope {
+    double p[POINTS][3];
+    facet f[FACETS];
+    int points;
+    int facets;  /* ever used */
+    double thin; /* heights of triangles that count as none */
+} polytope;
+
+/* A side of the hole that a new point tears: it stays behind with facet `outer`. */
+typedef struct rim {
+    int from;
+    int to;
+    int outer;
+} rim;
+
+static void set_facet(polytope *x, int at, int a, int b, int c)
+{
+    facet *f = &x->f[at];
+    double ab[3];
+    double ac[3];
+    double n[3];
+    subtract(x->p[b], x->p[a], ab);
+    subtract(x->p[c], x->p[a], ac);
+    cross(ab, ac, n);
+    const double longest = sqrt(greater(dot(ab, ab), dot(ac, ac)));
+    f->v[0] = a;
+    f->v[1] = b;
+    f->v[2] = c;
+    f->state = length(n) > x->thin * longest ? FACET_KEPT : FACET_THIN;
+    f->d = HUGE_VAL;
+    if (f->state == FACET_KEPT && unit(n, f->n)) {
+        f->d = dot(f->n, x->p[a]);
+    }
+}
+
+static int free_facet(polytope *x)
+{
+    for (int i = 0; i < x->facets; i++) {
+        if (x->f[i].state == FACET_FREE) {
+            return i;
+        }
+    }
+    return x->facets < FACETS ? x->facets++ : -1;
+}
+
+/* Marks the facets that see point p or lie in a plane with it, from one that sees it, and lists the
+ * rim. Returns its length. */
+static int tear(polytope *x, int first, const double p[3], double tolerance, rim *edges)
+{
+    int stack[FACETS];
+    int depth = 0;
+    int count = 0;
+    x->f[first].state = FACET_SEEN;
+    stack[depth++] = first;
+    while (depth > 0) {
+        const facet *f = &x->f[stack[--depth]];
+        for (int i = 0; i < 3; i++) {
+            facet *other = &x->f[f->next[i]];
+            if (other->state == FACET_THIN ||
+                (other->state == FACET_KEPT && dot(other->n, p) > other->d - tolerance)) {
+                other->state = FACET_SEEN;
+                stack[depth++] = f->next[i];
+            }
+        }
+    }
+    for (int k = 0; k < x->facets; k++) {
+        for (int i = 0; i < 3 && x->f[k].state == FACET_SEEN; i++) {
+            if (x->f[x->f[k].next[i]].state != FACET_SEEN) {
+                const rim edge = {x->f[k].v[i], x->f[k].v[(i + 1) % 3], x->f[k].next[i]};
+                edges[count++] = edge;
+            }
+        }
+    }
+    for (int k = 0; k < x->facets; k++) {
+        x->f[k].state = x->f[k].state == FACET_SEEN ? FACET_FREE : x->f[k].state;
+    }
+    return count;
+}
+
+static void link_outer(polytope *x, int outer, int from, int to, int inner)
+{
+    facet *f = &x->f[outer];
+    for (int i = 0; i < 3; i++) {
+        if (f->v[i] == to && f->v[(i + 1) % 3] == from) {
+            f->next[i] = inner;
+        }
+    }
+}
+
+/* Joins the rim to a new point. Returns 0 if the rim is no simple loop, as rounding may have it. */
+static int mend(polytope *x, int point, const rim *edges, int count)
+{
+    int starts[POINTS];
+    memset(starts, -1, sizeof starts);
+    for (int k = 0; k < count; k++) {
+        const int at = free_facet(x);
+        if (at < 0 || starts[edges[k].from] >= 0) {
+            return 0;
+        }
+        starts[edges[k].from] = at;
+        set_facet(x, at, edges[k].from, edges[k].to, point);
+        x->f[at].next[0] = edges[k].outer;
+        link_outer(x, edges[k].outer, edges[k].from, edges[k].to, at);
+    }
+    for (int k = 0; k < count; k++) {
+        const int at = starts[edges[k].from];
+        const int after = starts[edges[k].to];
+        if (after < 0) {
+            return 0;
+        }
+        x->f[at].next[1] = after;
+        x->f[after].next[2] = at;
+    }
+    return count >= 3;
+}
+
+/* Adds a point of M that `facet` sees. */
+static int grow(polytope *x, int first, const double p[3], double tolerance)
+{
+    rim edges[FACETS];
+    if (x->points == POINTS) {
+        return 0;
+    }
+    const int point = x->points++;
+    copy(p, x->p[point]);
+    return mend(x, point, edges, tear(x, first, p, tolerance, edges));
+}
+
+/* Adds a point of M if it lies outside. */
+static int grow_any(polytope *x, const double p[3], double tolerance)
+{
+    int first = -1;
+    double most = tolerance;
+    for (int i = 0; i < x->facets; i++) {
+        const double above = dot(x->f[i].n, p) - x->f[i].d;
+        if (x->f[i].state == FACET_KEPT && above > most) {
+            most = above;
+            first = i;
+        }
+    }
+    return first < 0 || grow(x, first, p, tolerance);
+}
+
+/* Farther of the two support points along +-v from the plane or line through p, in v's measure. */
+static double farther(search *s, const double v[3], const double p[3], double out[3])
+{
+    double n[3];
+    double far[2][3];
+    double away[2];
+    if (!unit(v, n)) {
+        return 0.0;
+    }
+    const double back[3] = {0.0 - n[0], 0.0 - n[1], 0.0 - n[2]};
+    away[0] = support(s, n, far[0]) - dot(n, p);
+    away[1] = support(s, back, far[1]) + dot(n, p);
+    const int which = away[1] > away[0] ? 1 : 0;
+    copy(far[which], out);
+    return away[which];
+}
+
+/* The four facets of the tetrahedron of the first four points; 0 if it is flat. */
+static int tetrahedron(search *s, polytope *x)
+{
+    static const int corner[4][3] = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {0, 2, 3}};
+    static const int next[4][3] = {{1, 2, 3}, {3, 2, 0}, {1, 3, 0}, {0, 2, 1}};
+    double e[3][3];
+    double n[3];
+    for (int i = 0; i < 3; i++) {
+        subtract(x->p[i + 1], x->p[0], e[i]);
+    }
+    cross(e[0], e[1], n);
+    if (dot(n, e[2]) > 0.0) { /* corner is right for a fourth point below the first three */
+        copy(x->p[1], n);
+        copy(x->p[2], x->p[1]);
+        copy(n, x->p[2]);
+    }
+    x->points = x->facets = 4;
+    x->thin = 16.0 * s->rounding;
+    int kept = 0;
+    for (int i = 0; i < 4; i++) {
+        set_facet(x, i, corner[i][0], corner[i][1], corner[i][2]);
+        memcpy(x->f[i].next, next[i], sizeof next[i]);
+        kept += x->f[i].state == FACET_KEPT ? 1 : 0;
+    }
+    return kept == 4;
+}
+
+/* Tetrahedron of support points, as wide as M is; 0 if M is flat. */
+static int wide_polytope(search *s, polytope *x)
+{
+    double f[9];
+    double e[3];
+    double n[3];
+    basis_rows(s->normal[0], s->normal[1], s->normal[2], f);
+    (void)support(s, f, x->p[0]);
+    (void)farther(s, f, x->p[0], x->p[1]);
+    subtract(x->p[1], x->p[0], e);
+    cross(e, f + 3, n);
+    (void)farther(s, n, x->p[0], x->p[2]);
+    subtract(x->p[2], x->p[0], f);
+    cross(e, f, n);
+    return farther(s, n, x->p[0], x->p[3]) > 16.0 * s->rounding && tetrahedron(s, x);
+}
+
+/* Support points of three directions around the best one, so near that the facet between them
+ * lies as deep as it: without them a smooth place would have to be halved down to their size. */
+static void ring(search *s, double p[3][3])
+{
+    static const double turn[3][2] = {{1.0, 0.0}, {-0.5, 0.75}, {-0.5, -0.75}};
+    double f[9];
+    basis_rows(s->normal[0], s->normal[1], s->normal[2], f);
+    const double delta = sqrt(0.006 * s->width / s->reach);
+    for (int i = 0; i < 3; i++) {
+        double n[3];
+        const double x = delta * turn[i][0];
+        const double y = delta * turn[i][1];
+        const double v[3] = {f[0] + x * f[3] + y * f[6], f[1] + x * f[4] + y * f[7],
+                             f[2] + x * f[5] + y * f[8]};
+        (void)unit(v, n);
+        (void)support(s, n, p[i]);
+    }
+}
+
+/* The ring and the point behind it; something wider if that is flat, and the ring on top. */
+static int first_polytope(search *s, polytope *x)
+{
+    double p[3][3];
+    const double back[3] = {0.0 - s->normal[0], 0.0 - s->normal[1], 0.0 - s->normal[2]};
+    ring(s, p);
+    memcpy(x->p, p, sizeof p);
+    (void)support(s, back, x->p[3]);
+    if (tetrahedron(s, x)) {
+        return 1;
+    }
+    if (!wide_polytope(s, x)) {
+        return 0;
+    }
+    int whole = 1;
+    for (int i = 0; i < 3 && whole; i++) {
+        whole = grow_any(x, p[i], s->rounding);
+    }
+    return whole;
+}
+
+static int nearest_facet(const polytope *x)
+{
+    int best = -1;
+    for (int i = 0; i < x->facets; i++) {
+        if (x->f[i].state == FACET_KEPT && (best < 0 || x->f[i].d < x->f[best].d)) {
+            best = i;
+        }
+    }
+    return best;
+}
+
+/* Whether nothing below the least width is left to be found beyond the nearest facet: it is as
+ * far as that but for half a percent and faces the same way, or as far but for little. */
+static int settled(const search *s, const facet *f)
+{
+    const double share = dot(f->n, s->normal) > 0.99 ? 0.995 : 0.9999;
+    return f->d >= share * s->width;
+}
+
+enum { SURVEY_FAILED, SURVEY_NEAR, SURVEY_EXACT };
+
+/* Looks at M where the polytope in it comes nearest to the origin, until that is as far as the
+ * least width. EXACT if it is so to rounding: then that is the least of all. */
+static int survey(search *s)
+{
+    polytope x;
+    if (!first_polytope(s, &x)) {
+        return SURVEY_FAILED;
+    }
+    while (!s->fault && !apart(s)) {
+        double p[3];
+        const int at = nearest_facet(&x);
+        if (at < 0) {
+            return SURVEY_FAILED;
+        }
+        const facet *f = &x.f[at];
+        if (s->width - f->d <= s->rounding) {
+            return SURVEY_EXACT;
+        }
+        if (settled(s, f)) {
+            return SURVEY_NEAR;
+        }
+        const double width = support(s, f->n, p);
+        if (width - f->d > s->rounding && !grow(&x, at, p, s->rounding)) {
+            return SURVEY_FAILED;
+        }
+    }
+    return SURVEY_FAILED;
+}
+
+/* ---- kinks ----------------------------------------------------------------------------------- */
+
+typedef struct support_face {
+    double p[3 * TRIBO_MAX_FACE]; /* world axes */
+    double normal[3];             /* of the axis: from B to A */
+    uint32_t count;
+} support_face;
+
+static void face_of(const tribo_shape *shape, const double r[9], const double along[3], double sign,
+                    support_face *face)
+{
+    double local[3];
+    double normal[3];
+    double points[3 * TRIBO_MAX_FACE];
+    uint32_t feature;
+    rotate_back(r, along, sign, local);
+    face->count = shape_face(shape, local, points, normal, &feature);
+    for (uint32_t i = 0; i < face->count; i++) {
+        rotate(r, points + 3 * i, face->p + 3 * i);
+    }
+    double world[3];
+    rotate(r, normal, world);
+    for (int i = 0; i < 3; i++) {
+        face->normal[i] = sign * world[i];
+    }
+}
+
+/* Takes n for the axis if it is as good as the best to rounding: a face's normal is worth more
+ * than digits of an iteration. Returns whether it did. */
+static int prefer(search *s, const double v[3])
+{
+    double n[3];
+    double point[3];
+    if (!unit(v, n)) {
+        return 0;
+    }
+    const double width = s->width;
+    const double found = support(s, n, point);
+    if (found <= width + 4.0 * s->rounding) {
+        copy(n, s->normal);
+        s->width = found;
+        return 1;
+    }
+    return 0;
+}
+
+static uint32_t edge(const support_face *face, uint32_t i, double e[3])
+{
+    subtract(face->p + 3 * ((i + 1) % face->count), face->p + 3 * i, e);
+    return unit(e, e) ? 1 : 0;
+}
+
+/* Cross products of those edges of both faces that are square to the axis. */
+static int prefer_edges(search *s, const support_face *a, const support_face *b)
+{
+    const double square = 1e-3;
+    for (uint32_t i = 0; i < a->count; i++) {
+        double ea[3];
+        if (!edge(a, i, ea) || absolute(dot(ea, s->normal)) > square) {
+            continue;
+        }
+        for (uint32_t j = 0; j < b->count; j++) {
+            double eb[3];
+            double n[3];
+            if (!edge(b, j, eb) || absolute(dot(eb, s->normal)) > square) {
+                continue;
+            }
+            cross(ea, eb, n);
+            const double facing = dot(n, s->normal);
+            if (absolute(facing) > 1e-6) {
+                for (int c = 0; c < 3; c++) {
+                    n[c] = copysign(1.0, facing) * n[c];
+                }
+                if (prefer(s, n)) {
+                    return 1;
+                }
+            }
+        }
+    }
+    return 0;
+}
+
+static void faces_of(const search *s, support_face *a, support_face *b)
+{
+    face_of(s->pair->a, s->pair->ra, s->normal, -1.0, a);
+    face_of(s->pair->b, s->pair->rb, s->normal, 1.0, b);
+}
+
+/* The normals of the faces that meet, or of the edges. Returns whether one of them is as good
+ * as the best. */
+static int snap(search *s)
+{
+    support_face a;
+    support_face b;
+    faces_of(s, &a, &b);
+    return (a.count > 2 && prefer(s, a.normal)) || (b.count > 2 && prefer(s, b.normal)) ||
+           (a.count > 1 && b.count > 1 && prefer_edges(s, &a, &b));
+}
+
+/* The edge of a face that is the squarest to the axis; 0 if none is nearly so. */
+static int square_edge(const search *s, const support_face *face, double best[3])
+{
+    double least = 0.1;
+    for (uint32_t i = 0; i < face->count && face->count > 1; i++) {
+        double e[3];
+        if (edge(face, i, e) && absolute(dot(e, s->normal)) < least) {
+            least = absolute(dot(e, s->normal));
+            copy(e, best);
+        }
+    }
+    return least < 0.1;
+}
+
+/* Newton along the great circle square to an edge, where w is smooth along it. Returns the bend
+ * of w there; 0 if it did not end in a minimum. */
+static double along_ridge(search *s, const double e[3], double n[3])
+{
+    double t[3];
+    double p[3];
+    double width = support(s, n, p);
+    for (int k = 0; k < NEWTON_STEPS && !s->fault && !apart(s); k++) {
+        double m[3];
+        double q[3];
+        cross(e, n, t);
+        const double slope = dot(p, t);
+        const double delta = lesser(greater(0.01 * absolute(slope) / s->small, 1e-6), 1e-3);
+        turn(n, t, delta, m);
+        (void)support(s, m, q);
+        const double bend = (dot(q, t) - slope) / delta - width;
+        if (!(bend > 1e-6 * s->small) || absolute(slope) > 0.5 * bend) {
+            return 0.0;
+        }
+        const double gain = 0.5 * slope * slope / bend;
+        if (gain <= 0.25 * s->rounding) {
+            return bend;
+        }
+        turn(n, t, 0.0 - slope / bend, m);
+        const double found = support(s, m, p);
+        if (!(found < width - 0.25 * gain)) {
+            return 0.0;
+        }
+        width = found;
+        copy(m, n);
+    }
+    return 0.0;
+}
+
+/* Where an edge e meets a curved place w is kinked across e. Returns whether a local minimum was
+ * reached: the support points on both sides of the kink then have the foot of the origin between
+ * them. */
+static int ridge(search *s, const double e[3])
+{
+    double n[3];
+    double t[3];
+    double m[3];
+    double left[3];
+    double right[3];
+    const double tilt = 3e-8;
+    const double along = dot(e, s->normal);
+    const double flat[3] = {s->normal[0] - along * e[0], s->normal[1] - along * e[1],
+                            s->normal[2] - along * e[2]};
+    (void)unit(flat, n);
+    const double bend = along_ridge(s, e, n);
+    if (!(bend > 0.0)) {
+        return 0;
+    }
+    cross(e, n, t);
+    turn(n, e, tilt, m);
+    const double width = support(s, m, right);
+    turn(n, e, 0.0 - tilt, m);
+    (void)support(s, m, left);
+    const double after = dot(right, e);
+    const double before = dot(left, e);
+    const double slip =
+        (dot(left, t) * after - dot(right, t) * before) / greater(after - before, s->rounding);
+    return after > 0.0 && before < 0.0 && 0.5 * slip * slip <= bend * s->rounding &&
+           width <= s->width + tilt * s->reach;
+}
+
+/* Edges against curved places. */
+static int climb_ridges(search *s)
+{
+    support_face a;
+    support_face b;
+    double e[3];
+    faces_of(s, &a, &b);
+    return (square_edge(s, &a, e) && ridge(s, e)) || (square_edge(s, &b, e) && ridge(s, e));
+}
+
+/* ---- the search ------------------------------------------------------------------------------ */
+
+/* Whether a shape without its radius is a polytope. */
+static int is_flat(const tribo_shape *shape)
+{
+    return radius_of(shape) > 0.0 || shape->type == TRIBO_SHAPE_BOX ||
+           shape->type == TRIBO_SHAPE_HULL;
+}
+
+static void begin(search *s, const pair_query *pair)
+{
+    double inner[2];
+    double outer[2];
+    double a[3];
+    double b[3];
+    shape_core(pair->a, s->center_a, &inner[0], &outer[0]);
+    shape_core(pair->b, s->center_b, &inner[1], &outer[1]);
+    s->pair = pair;
+    s->scale = power_of_two(scale_exponent(lesser(outer[0], outer[1])));
+    rotate(pair->ra, s->center_a, a);
+    rotate(pair->rb, s->center_b, b);
+    for (int i = 0; i < 3; i++) {
+        s->offset[i] = (pair->offset[i] + (b[i] - a[i])) * s->scale;
+    }
+    s->radius = (radius_of(pair->a) + radius_of(pair->b)) * s->scale;
+    s->margin = pair->margin * s->scale + s->radius;
+    s->flat = is_flat(pair->a) && is_flat(pair->b);
+    s->small = lesser(outer[0], outer[1]) * s->scale;
+    s->inner = lesser(inner[0], inner[1]) * s->scale;
+    s->inner = s->inner > 0.0 ? s->inner : 0.05 * s->small; /* a user's shape tells none */
+    s->reach = (outer[0] + outer[1]) * s->scale;
+    s->rounding = 4.0 * TRIBO_EPS * s->reach;
+    s->width = HUGE_VAL;
+    s->calls = 0;
+    s->limit = 0;
+    s->stopped = 0;
+    s->fault = 0;
+}
+
+/* Along the line of the cores, and all axes of both bodies where the cores are so near that it
+ * says nothing. */
+static void first_look(search *s)
+{
+    double n[3];
+    const double away[3] = {0.0 - s->offset[0], 0.0 - s->offset[1], 0.0 - s->offset[2]};
+    const double start[3] = {0.0, 0.0, 1.0};
+    probe(s, unit(away, n) ? n : start);
+}
+
+static void axes_of(search *s, const double r[9])
+{
+    for (int i = 0; i < 6; i++) {
+        const double sign = i < 3 ? 1.0 : -1.0;
+        const double n[3] = {sign * r[i % 3], sign * r[3 + i % 3], sign * r[6 + i % 3]};
+        probe(s, n);
+    }
+}
+
+/* From the least width seen to a local minimum. */
+static void settle(search *s)
+{
+    if ((s->flat && s->width < 0.0) || (!newton(s) && !climb_ridges(s))) {
+        descend(s);
+    }
+}
+
+/* M as a whole, once the best is a local minimum or, at a kink, may be one. */
+static void look_around(search *s, int kink)
+{
+    const double before = s->width;
+    if (length(s->offset) < 0.1 * s->small) {
+        axes_of(s, s->pair->ra);
+        axes_of(s, s->pair->rb);
+    }
+    const int outcome = survey(s);
+    s->stopped |= outcome == SURVEY_FAILED;
+    if (outcome != SURVEY_EXACT && (kink || s->width < before)) {
+        settle(s);
+    }
+}
+
+static void least_width(search *s)
+{
+    first_look(s);
+    if (apart(s) || s->fault) {
+        return;
+    }
+    ask_mpr(s);
+    if (apart(s) || s->fault) {
+        return;
+    }
+    const int kink = s->width > 64.0 * s->rounding && snap(s);
+    if (!kink || s->width <= 64.0 * s->rounding) {
+        settle(s);
+    }
+    const double width = s->width;
+    if (width > 64.0 * s->rounding && !s->fault) {
+        look_around(s, kink);
+    }
+    if (!s->fault && !apart(s) && (!kink || s->width < width)) {
+        (void)snap(s);
+    }
+}
+
+tribo_status convex_axis(const pair_query *query, pair_axis *axis, tribo_collide_info *info)
+{
+    search s;
+    begin(&s, query);
+    least_width(&s);
+    info->supports += 2 * s.calls;
+    info->capped += s.stopped ? 1 : 0;
+    if (s.fault) {
+        return TRIBO_ERROR_SUPPORT;
+    }
+    copy(s.normal, axis->normal);
+    axis->distance = (0.0 - s.width - s.radius) / s.scale;
+    return TRIBO_OK;
+}
