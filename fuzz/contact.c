@@ -172,7 +172,7 @@ static void contact_velocity(property_trial *t)
         for (int k = 0; k < 3; k++) {
             want += wide(frame[3 * i + k]) * v[k];
         }
-        REQUIRE_NEAR(t, u[i], want, 8.0 * EPS * size);
+        REQUIRE_NEAR(t, u[i], want, 8.0L * wide(EPS) * size);
     }
 }
 
