@@ -10,10 +10,8 @@ static int expected(const tribo_material *m, tribo_status status)
     const int finite = isfinite(m->mu_s) && isfinite(m->mu_d) && isfinite(m->e);
     const int friction = m->mu_d >= 0.0 && m->mu_s >= m->mu_d;
     const int restitution = m->e >= 0.0 && m->e <= 1.0;
-    if (!finite) {
-        return status == TRIBO_ERROR_NOT_FINITE;
-    }
-    return (status == TRIBO_OK && friction && restitution) ||
+    return (status == TRIBO_OK && finite && friction && restitution) ||
+           (status == TRIBO_ERROR_NOT_FINITE && !finite) ||
            (status == TRIBO_ERROR_FRICTION && !friction) ||
            (status == TRIBO_ERROR_RESTITUTION && !restitution);
 }

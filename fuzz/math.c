@@ -573,12 +573,12 @@ static void quat_rotation_vector(property_trial *t)
     const long double angle =
         sqrtl(wide(v[0]) * wide(v[0]) + wide(v[1]) * wide(v[1]) + wide(v[2]) * wide(v[2]));
     REQUIRE_STATUS(t, tribo_quat_from_rotation_vector(v, q), TRIBO_OK);
-    REQUIRE_NEAR(t, q[0], cosl(angle / 2.0L), EPS * (4.0L + angle));
+    REQUIRE_NEAR(t, q[0], cosl(angle / 2.0L), wide(EPS) * (4.0L + angle));
     for (int i = 0; i < 3; i++) {
         const long double ratio = angle == 0.0L ? 0.5L : sinl(angle / 2.0L) / angle;
         const long double want = ratio * wide(v[i]);
         REQUIRE_NEAR(t, q[i + 1], want,
-                     EPS * (4.0L * fabsl(want) + angle * fabsl(wide(v[i])) * 0.5L));
+                     wide(EPS) * (4.0L * fabsl(want) + angle * fabsl(wide(v[i])) * 0.5L));
     }
     if (angle < 3.14L) {
         REQUIRE_NEAR(t, tribo_quat_angle(identity, q), angle, 8.0L * wide(EPS) * angle);
@@ -654,8 +654,8 @@ static void sin_cos(property_trial *t)
     tribo_sin_cos(x, &s, &c);
     const long double sine = sinl(wide(x));
     const long double cosine = cosl(wide(x));
-    REQUIRE_NEAR(t, s - sine, 0.0, 2.0 * ulp(sine));
-    REQUIRE_NEAR(t, c - cosine, 0.0, 2.0 * ulp(cosine));
+    REQUIRE_NEAR(t, wide(s) - sine, 0.0, 2.0 * ulp(sine));
+    REQUIRE_NEAR(t, wide(c) - cosine, 0.0, 2.0 * ulp(cosine));
     tribo_sin_cos(-x, &s2, &c2);
     REQUIRE(t, s2 == -s && c2 == c);
 }
@@ -684,7 +684,7 @@ static void atan2_angle(property_trial *t)
     }
     const double got = tribo_atan2(y, x);
     const long double want = atan2l(wide(y), wide(x));
-    REQUIRE_NEAR(t, got - want, 0.0, 2.0 * ulp(want));
+    REQUIRE_NEAR(t, wide(got) - want, 0.0, 2.0 * ulp(want));
     REQUIRE(t, fabs(got) <= 3.1415926535897936 && !signbit(got) == !signbit(y));
     REQUIRE(t, tribo_atan2(-y, x) == -got);
 }
