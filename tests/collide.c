@@ -957,8 +957,8 @@ static void points_keep_the_area(void **state)
     assert_true(tilted.sum / (double)tilted.count >= 0.97);
 }
 
-/* A cylinder that stands nearly upright: its lowest point on the rim joins the eight of its base, in
- * its place. */
+/* A cylinder that stands nearly upright: its lowest point, on the rim, joins the eight of its base,
+ * in its place. */
 static void rims_keep_the_area(void **state)
 {
     const tribo_shape cylinder = make(TRIBO_SHAPE_CYLINDER, 1.0, 0.5, 0.0);
