@@ -517,6 +517,7 @@ static tribo_status half_space(const pair_query *query, tribo_manifold *out)
 /* ---- box and box: separating axes (Gottschalk, Lin, Manocha 1996) --------------------------- */
 
 #define EDGES_PARALLEL 1e-28 /* square of the sine of the angle below which it is noise */
+#define DIRECTION_NOISE 1e3  /* distances this many roundings long have a direction */
 #define NEARLY_FLAT \
     0.9995 /* cosine of a face with the normal, up to which an edge axis gives an area */
 
@@ -724,10 +725,9 @@ static void nearest_edges(const boxes *x, const pair_axis *axis, tribo_manifold 
         }
     }
     double normal[3];
-    double distance = unit(best.apart, normal);
-    if (!(distance > 1e3 * x->rounding)) {
+    const double distance = unit(best.apart, normal);
+    if (!(distance > DIRECTION_NOISE * x->rounding)) {
         memcpy(normal, axis->normal, sizeof normal);
-        distance = axis->distance;
     }
     single(query, normal, middle, distance, pair_feature(6, PAIR_EDGE, numbers / 12),
            pair_feature(6, PAIR_EDGE, numbers % 12), out);
@@ -772,7 +772,7 @@ static void touch_edges(const boxes *x, int i, int j, const pair_axis *axis, tri
     }
     nearest_points(&g);
     if (axis->distance > x->rounding &&
-        tribo_vec3_norm(g.apart) > axis->distance + 1e3 * x->rounding) {
+        tribo_vec3_norm(g.apart) > axis->distance + 4.0 * x->rounding) {
         nearest_edges(x, axis, out);
         return;
     }
@@ -794,7 +794,7 @@ static void touch_faces(const boxes *x, const pair_face faces[2], int reference,
     for (uint32_t i = 0; i < count; i++) {
         least = lesser(least, points[i].distance);
     }
-    if (axis->distance > x->rounding && least > axis->distance + 1e3 * x->rounding) {
+    if (axis->distance > x->rounding && least > axis->distance + 4.0 * x->rounding) {
         nearest_edges(x, axis, out);
     } else {
         finish_faces(x, faces, axis, count, points, out);

@@ -968,6 +968,66 @@ static void test_order_in_memory(void **state)
     free(tree);
 }
 
+/* Sum of the half-perimeters of all inner nodes across x and y: what a query for columns costs. */
+static double cost_of(inside_tree *tree)
+{
+    const tree_node *nodes = read_nodes(tree);
+    double sum = 0.0;
+    for (uint32_t at = 0; at < 2u * tree->pair_end; at++) {
+        if (at != 1 && nodes[at].height > 0) {
+            const tree_box *b = &nodes[at].box;
+            sum += (b->high[0] - b->low[0]) + (b->high[1] - b->low[1]);
+        }
+    }
+    return sum;
+}
+
+static void move_by(problem_random *random, double out[6], double most)
+{
+    for (int k = 0; k < 2; k++) {
+        const double by = uniform(random, -most, most);
+        out[k] += by;
+        out[3 + k] += by;
+    }
+}
+
+/* Boxes without bounds along an axis are told apart by the others; and a tree whose boxes have
+ * moved for long, by little or far, is nearly as good as a new one. */
+static void test_quality(void **state)
+{
+    (void)state;
+    static double boxes[BOXES][6];
+    problem_random random = {SEED};
+    inside_tree *tree = make_inside(BOXES, 0.05);
+    inside_tree *fresh = make_inside(BOXES, 0.05);
+    uint32_t id;
+    for (uint32_t i = 0; i < BOXES; i++) {
+        draw(&random, COLUMNS, boxes[i]);
+        for (int k = 0; k < 2; k++) {
+            boxes[i][k] *= 8.0;
+            boxes[i][3 + k] = boxes[i][k] + 1.0;
+        }
+        assert_int_equal(inside_tree_add(tree, boxes[i], boxes[i] + 3, &id), TRIBO_OK);
+    }
+    for (int round = 0; round < 200; round++) {
+        for (uint32_t i = 0; i < BOXES; i++) {
+            move_by(&random, boxes[i], i % 10 == 0 ? 8.0 : 0.1);
+            assert_int_equal(inside_tree_move(tree, i, boxes[i], boxes[i] + 3), TRIBO_OK);
+        }
+    }
+    (void)inspect(tree);
+    for (uint32_t i = 0; i < BOXES; i++) {
+        boxes[i][2] = -1.0;
+        boxes[i][5] = 1.0;
+        assert_int_equal(inside_tree_add(fresh, boxes[i], boxes[i] + 3, &id), TRIBO_OK);
+    }
+    const double ratio = cost_of(tree) / cost_of(fresh);
+    print_message("# cost of columns after many moves: %.3f of that of new boxes\n", ratio);
+    assert_true(ratio < 1.05);
+    free(tree);
+    free(fresh);
+}
+
 /* Moves within the margin leave the tree alone; a box that has become much smaller does not keep
  * its old bounds. */
 static void test_margin(void **state)
@@ -1003,6 +1063,7 @@ int main(void)
         cmocka_unit_test(test_room),         cmocka_unit_test(test_invariants),
         cmocka_unit_test(test_shallow),      cmocka_unit_test(test_height_bound),
         cmocka_unit_test(test_margin),       cmocka_unit_test(test_order_in_memory),
+        cmocka_unit_test(test_quality),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

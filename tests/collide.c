@@ -3,6 +3,8 @@
 #include <tribo/collide.h>
 #include <tribo/math.h>
 
+#include "pair.h"
+
 #include <float.h>
 #include <math.h>
 #include <setjmp.h>
@@ -19,6 +21,14 @@
 /* ---- random input --------------------------------------------------------------------------- */
 
 static uint64_t seed = 1;
+
+/* Each test has its own random numbers: what one draws does not change the next. */
+static int fresh(void **state)
+{
+    (void)state;
+    seed = 88172645463325252u;
+    return 0;
+}
 
 static double uniform(void)
 {
@@ -194,6 +204,8 @@ static void spheres_by_hand(void **state)
     expect_point(half, at(0, 1.75, 0), box, at(0, 0, 0), (const double[]){0, 1, 0},
                  (const double[]){0, 1.625, 0}, -0.75);
     expect_point(half, at(0, 0, 0), box, at(0, 0, 0), x, (const double[]){0.25, 0, 0}, -1.5);
+    expect_point(half, at(-0.75, 0, 0), box, at(0, 0, 0), (const double[]){-1, 0, 0},
+                 (const double[]){-0.625, 0, 0}, -0.75);
 }
 
 static void capsules_by_hand(void **state)
@@ -377,8 +389,8 @@ static double way_to_depth(const solid_box *a, const solid_box *b, const double 
     const int count = take_axes(a, b, axes);
     for (int k = 0; k < count; k++) {
         const real *n = axes[k];
-        const real slope = n[0] * (real)direction[0] + n[1] * (real)direction[1] +
-                           n[2] * (real)direction[2];
+        const real slope =
+            n[0] * (real)direction[0] + n[1] * (real)direction[1] + n[2] * (real)direction[2];
         const real most = (width_along(a, b, n) - (real)depth) / -slope;
         way = slope < -1e-9L && most < way ? most : way;
     }
@@ -640,6 +652,35 @@ static void plates_take_a_face_normal(void **state)
     }
 }
 
+/* An axis with noise on a large lever comes out as the normal of a face, and its depth with it. */
+static void noise_of_an_axis_does_not_show(void **state)
+{
+    (void)state;
+    const tribo_shape plate = make(TRIBO_SHAPE_BOX, 1000.0, 1000.0, 0.5);
+    for (int i = 0; i < 200; i++) {
+        pair_query query;
+        tribo_manifold m;
+        memset(&query, 0, sizeof query);
+        query.a = query.b = &plate;
+        query.ra[0] = query.ra[4] = query.ra[8] = 1.0;
+        memcpy(query.rb, query.ra, sizeof query.rb);
+        query.offset[0] = between(-1000.0, 1000.0);
+        query.offset[1] = between(-1000.0, 1000.0);
+        query.offset[2] = -0.9999;
+        query.max_points = 4;
+        const double tilt[2] = {between(-1e-8, 1e-8), between(-1e-8, 1e-8)};
+        pair_axis axis = {{tilt[0], tilt[1], 1.0}, 0.0};
+        double rounding;
+        assert_true(clip_distance(&query, axis.normal, &axis.distance, &rounding));
+        clip_manifold(&query, &axis, &m);
+        assert_int_equal(m.count, 4);
+        assert_vector(m.normal, 0, 0, 1, 0);
+        for (uint32_t k = 0; k < 4; k++) {
+            assert_near(m.points[k].distance, -1e-4, 1e-12);
+        }
+    }
+}
+
 /* ---- separated boxes ------------------------------------------------------------------------ */
 
 static real distance_to_box(const solid_box *x, const real p[3])
@@ -724,7 +765,6 @@ static void boxes_within_the_margin(void **state)
 {
     (void)state;
     long reported = 0;
-    double worst = 0.0;
     for (int i = 0; i < 20000; i++) {
         box_case c;
         solid_box a;
@@ -739,15 +779,12 @@ static void boxes_within_the_margin(void **state)
         take_box(&c.a, &c.pa, c.pa.position, &a);
         take_box(&c.b, &c.pb, c.pa.position, &b);
         const double distance = (double)true_distance(&a, &b);
-        if (!(distance > 1e-12 * c.large)) {
+        if (!(distance > 1e-12 * c.large) || depth_of(&c) > 0) {
             continue;
         }
-        tribo_collide_options o = with_margin(distance * (1.0 - 1e-9) - 1e-14 * c.large);
-        o.margin = fmax(o.margin, 0.0);
+        tribo_collide_options o = with_margin(fmax(distance * (1.0 - 1e-9) - 1e-14 * c.large, 0.0));
         tribo_manifold m = pair_of(&c.a, &c.pa, &c.b, &c.pb, &o);
-        for (uint32_t k = 0; k < m.count; k++) {
-            worst = fmax(worst, m.points[k].distance / o.margin - 1.0);
-        }
+        assert_int_equal(m.count, 0);
         o.margin = distance * (1.0 + 1e-9) + 1e-14 * c.large;
         m = pair_of(&c.a, &c.pa, &c.b, &c.pb, &o);
         assert_true(m.count > 0);
@@ -761,8 +798,7 @@ static void boxes_within_the_margin(void **state)
         }
     }
     print_message("# %ld pairs apart reported at their distance\n", reported);
-    assert_true(reported > 10000);
-    assert_true(worst <= 1e-9);
+    assert_true(reported > 5000);
 }
 
 /* ---- the area of the points ----------------------------------------------------------------- */
@@ -919,6 +955,33 @@ static void points_keep_the_area(void **state)
     assert_true(all.sum / (double)all.count >= 0.97);
     assert_true(flat.sum / (double)flat.count >= 0.99 && flat.worst >= 0.85);
     assert_true(tilted.sum / (double)tilted.count >= 0.97);
+}
+
+/* A cylinder that stands nearly upright: its lowest point, on the rim, joins the eight of its base,
+ * in its place. */
+static void rims_keep_the_area(void **state)
+{
+    const tribo_shape cylinder = make(TRIBO_SHAPE_CYLINDER, 1.0, 0.5, 0.0);
+    const tribo_shape ground = {TRIBO_SHAPE_HALFSPACE, 0, {0, 0, 1, 0}, NULL};
+    const tribo_pose here = at(0, 0, 0);
+    const tribo_collide_options options = with_margin(0.1);
+    double least = 2.0;
+    (void)state;
+    for (int i = 0; i < 1000; i++) {
+        const double angle = between(-3.0, 3.0);
+        const tribo_pose pose = turned(at(0, 0, 0.49), 0.01 * cos(angle), 0.01 * sin(angle), 0.0);
+        const tribo_manifold m = pair_of(&cylinder, &pose, &ground, &here, &options);
+        double points[4][2];
+        assert_int_equal(m.count, 4);
+        for (uint32_t k = 0; k < 4; k++) {
+            points[k][0] = m.points[k].arm_a[0];
+            points[k][1] = m.points[k].arm_a[1];
+        }
+        least = fmin(least, 0.5 * hull_area(points, 4));
+        assert_near(deepest(&m), 0.49 - (0.5 * cos(0.01) + sin(0.01)), 1e-15);
+    }
+    print_message("# four points of a circle: %.4f of the square in it at least\n", 0.5 * least);
+    assert_true(least >= 2.0 * 0.85);
 }
 
 /* ---- the same answer from elsewhere --------------------------------------------------------- */
@@ -1216,6 +1279,10 @@ static void compounds_are_their_parts(void **state)
         assert_vector(m[k].normal, 0, 0, -1, 1e-15);
     }
     assert_int_equal(m[1].count, 4);
+    assert_vector(m[0].points[0].arm_b, -1, 0, -0.28125, 1e-15);
+    const tribo_shape ball = make(TRIBO_SHAPE_SPHERE, 0.5, 0, 0);
+    assert_int_equal(all_of(&bell, at(0, 0, 0), &ball, at(-1, 0, 0.96875), 9, m), 1);
+    assert_vector(m[0].points[0].arm_a, -1, 0, 0.484375, 1e-15);
     /* Bells crossed: bar on bar, and each bar between the other's balls. */
     const uint32_t count =
         all_of(&bell, at(0, 0, 0), &bell, turned(at(0, 0, 0.2), 0, 0, 1.5707963267948966), 9, m);
@@ -1280,6 +1347,20 @@ static void inner_edges_do_not_show(void **state)
         assert_near(least, -0.01, 1e-12);
     }
     print_message("# %ld manifolds with triangles\n", manifolds);
+}
+
+/* What has its core below the surface has come from there. */
+static void meshes_have_one_side(void **state)
+{
+    (void)state;
+    const tribo_shape mesh = terrain(0.0);
+    const tribo_shape shapes[2] = {make(TRIBO_SHAPE_SPHERE, 0.5, 0, 0),
+                                   make(TRIBO_SHAPE_BOX, 0.5, 0.5, 0.5)};
+    tribo_manifold m[16];
+    for (int k = 0; k < 2; k++) {
+        assert_true(all_of(&shapes[k], at(4.25, 4.5, 0.0625), &mesh, at(0, 0, 0), 16, m) > 0);
+        assert_int_equal(all_of(&shapes[k], at(4.25, 4.5, -0.0625), &mesh, at(0, 0, 0), 16, m), 0);
+    }
 }
 
 /* The ridge of a roof is an edge that a body may touch. */
@@ -1583,26 +1664,29 @@ static void general_method_agrees(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(spheres_by_hand),
-        cmocka_unit_test(capsules_by_hand),
-        cmocka_unit_test(planes_by_hand),
-        cmocka_unit_test(boxes_against_separating_axes),
-        cmocka_unit_test(boxes_by_the_general_method),
-        cmocka_unit_test(plates_take_a_face_normal),
-        cmocka_unit_test(boxes_within_the_margin),
-        cmocka_unit_test(points_keep_the_area),
-        cmocka_unit_test(swap_offset_and_scale_change_no_bit),
-        cmocka_unit_test(rigid_motion_turns_the_answer),
-        cmocka_unit_test(ids_survive_small_motions),
-        cmocka_unit_test(no_place_gives_what_is_no_number),
-        cmocka_unit_test(compounds_are_their_parts),
-        cmocka_unit_test(inner_edges_do_not_show),
-        cmocka_unit_test(ridges_show),
-        cmocka_unit_test(faults_are_named_and_change_nothing),
-        cmocka_unit_test(options_and_counters),
-        cmocka_unit_test(batches_are_single_calls),
-        cmocka_unit_test(general_method_agrees),
-        cmocka_unit_test(points_lie_in_both_shapes),
+        cmocka_unit_test_setup(spheres_by_hand, fresh),
+        cmocka_unit_test_setup(capsules_by_hand, fresh),
+        cmocka_unit_test_setup(planes_by_hand, fresh),
+        cmocka_unit_test_setup(boxes_against_separating_axes, fresh),
+        cmocka_unit_test_setup(boxes_by_the_general_method, fresh),
+        cmocka_unit_test_setup(plates_take_a_face_normal, fresh),
+        cmocka_unit_test_setup(noise_of_an_axis_does_not_show, fresh),
+        cmocka_unit_test_setup(boxes_within_the_margin, fresh),
+        cmocka_unit_test_setup(points_keep_the_area, fresh),
+        cmocka_unit_test_setup(rims_keep_the_area, fresh),
+        cmocka_unit_test_setup(swap_offset_and_scale_change_no_bit, fresh),
+        cmocka_unit_test_setup(rigid_motion_turns_the_answer, fresh),
+        cmocka_unit_test_setup(ids_survive_small_motions, fresh),
+        cmocka_unit_test_setup(no_place_gives_what_is_no_number, fresh),
+        cmocka_unit_test_setup(compounds_are_their_parts, fresh),
+        cmocka_unit_test_setup(inner_edges_do_not_show, fresh),
+        cmocka_unit_test_setup(meshes_have_one_side, fresh),
+        cmocka_unit_test_setup(ridges_show, fresh),
+        cmocka_unit_test_setup(faults_are_named_and_change_nothing, fresh),
+        cmocka_unit_test_setup(options_and_counters, fresh),
+        cmocka_unit_test_setup(batches_are_single_calls, fresh),
+        cmocka_unit_test_setup(general_method_agrees, fresh),
+        cmocka_unit_test_setup(points_lie_in_both_shapes, fresh),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -30,7 +30,7 @@ extern "C" {
 
 /** One point of a manifold. 64 bytes. */
 typedef struct tribo_point {
-    double arm_a[3]; /**< from the position of A's pose to the point, midway between the surfaces, m */
+    double arm_a[3]; /**< from A's position to the point, midway between the surfaces, m */
     double arm_b[3]; /**< the same point from the position of B's pose, m */
     double distance; /**< of the surfaces along the normal, m; negative inside */
     uint64_t id;     /**< which features touch: persists from step to step while they do */
@@ -52,16 +52,16 @@ typedef struct tribo_manifold {
 enum {
     TRIBO_METHOD_AUTOMATIC = 0, /**< closed form if there is one, else general */
     TRIBO_METHOD_CLOSED = 1,    /**< closed form, or TRIBO_ERROR_OPTION if the pair has none */
-    TRIBO_METHOD_GENERAL = 2    /**< support functions through libccd, for convex pairs but a half-space */
+    TRIBO_METHOD_GENERAL = 2    /**< by support functions alone; not for half-spaces */
 };
 
 /** Options of a collision query. Zero-initialise, set struct_size. Null: all defaults. */
 typedef struct tribo_collide_options {
     uint32_t struct_size; /**< smaller (older) structs are accepted */
     uint32_t method;      /**< TRIBO_METHOD_... */
-    uint32_t max_points;  /**< 1 to 4; 0 means 4. The deepest stays, and what keeps most of the area */
+    uint32_t max_points;  /**< 1 to 4; 0: 4. The deepest stays, and what keeps most area */
     uint32_t reserved;
-    double margin;        /**< surfaces up to this far apart count (speculative contacts), >= 0, m */
+    double margin;        /**< surfaces up to this far apart count (speculative), >= 0, m */
 } tribo_collide_options;
 
 /** What a query cost. The caller sets struct_size. */
@@ -69,7 +69,7 @@ typedef struct tribo_collide_info {
     uint32_t struct_size;
     uint32_t closed;    /**< pairs done in closed form */
     uint32_t general;   /**< pairs done by libccd */
-    uint32_t capped;    /**< of these, those that ran into the bound of support calls (still certified) */
+    uint32_t capped;    /**< of these, those that ran into a bound of work (still certified) */
     uint64_t supports;  /**< support function calls of the search; faces and bounds need a few */
     uint64_t mallocs;   /**< upper bound of allocations libccd made */
 } tribo_collide_info;
