@@ -1,7 +1,8 @@
 # tribo: contact and friction between rigid bodies.
 #
 #   make                 library (shared, static, pkg-config file) and program, into $(BUILD)
-#   make lib             the library alone; needs a C99 compiler and libm
+#   make lib             both libraries; libtribo needs libccd and Qhull
+#   make core            libtribo_core alone; needs a C99 compiler and libm
 #   make install         into $(DESTDIR)$(PREFIX); uninstall takes it all away again
 #   make demo            run the program's demonstration
 #   make check           build and run all tests; last line: "tests: N passed, M failed, K skipped"
@@ -43,7 +44,7 @@ INSTALL_DATA ?= $(INSTALL) -m 644
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .SUFFIXES:
-.PHONY: all lib install uninstall demo check run-check check-sanitize run-properties test-programs \
+.PHONY: all lib core install uninstall demo check run-check check-sanitize run-properties test-programs \
         fuzz fuzz-targets bench bench-programs deps abi golden docs format format-check clean \
         help FORCE
 ifneq ($(V),1)
@@ -84,7 +85,10 @@ $(error include/tribo/base.h does not state the version)
 endif
 
 HEADERS := $(wildcard include/tribo/*.h)
-LIB_SOURCES := $(filter-out src/batch_lanes.c,$(wildcard src/*.c))
+# What libtribo adds to libtribo_core: shapes and their contacts.
+FULL_SOURCES := $(addprefix src/,broad.c clip.c closed.c collide.c convex.c hull.c mesh.c shape.c)
+FULL_LIBS := -lccd -lqhull_r
+LIB_SOURCES := $(filter-out src/batch_lanes.c $(FULL_SOURCES),$(wildcard src/*.c))
 LANES := $(if $(wildcard src/batch_lanes.c),baseline)
 ifneq ($(filter __x86_64__,$(MACROS)),)
 ifeq ($(shell $(CC) -march=x86-64-v4 -E -x c /dev/null >/dev/null 2>&1 && echo yes),yes)
@@ -97,6 +101,7 @@ LANES_FLAGS_x86_64_v3 := -march=x86-64-v3
 LANES_FLAGS_x86_64_v4 := -march=x86-64-v4 -mprefer-vector-width=$(V4_WIDTH)
 
 LIB_OBJECTS := $(LIB_SOURCES:%.c=$(BUILD)/obj/%.o)
+FULL_OBJECTS := $(FULL_SOURCES:%.c=$(BUILD)/obj/%.o)
 LANES_OBJECTS := $(LANES:%=$(BUILD)/obj/src/batch_lanes.%.o)
 # One set of objects serves both libraries: the static one can go into the shared objects of others
 # (language bindings do that).
@@ -107,13 +112,19 @@ SHARED := $(BUILD)/libtribo_core.so.$(VERSION)
 SONAME := libtribo_core.so.$(MAJOR)
 LINKS := $(BUILD)/$(SONAME) $(BUILD)/libtribo_core.so
 PC := $(BUILD)/tribo_core.pc
+FULL_STATIC := $(BUILD)/libtribo.a
+FULL_SHARED := $(BUILD)/libtribo.so.$(VERSION)
+FULL_SONAME := libtribo.so.$(MAJOR)
+FULL_LINKS := $(BUILD)/$(FULL_SONAME) $(BUILD)/libtribo.so
+FULL_PC := $(BUILD)/tribo.pc
 # clang leaves the run-time library of a sanitizer to the final link.
 DEFS := $(if $(findstring -fsanitize,$(CFLAGS) $(LDFLAGS)),,-Wl,-z,defs)
 
 all: lib $(BUILD)/tribo
-lib: $(STATIC) $(LINKS) $(PC)
+core: $(STATIC) $(LINKS) $(PC)
+lib: core $(FULL_STATIC) $(FULL_LINKS) $(FULL_PC)
 
-$(LIB_OBJECTS): $(BUILD)/obj/%.o: %.c $(BUILD)/flags
+$(LIB_OBJECTS) $(FULL_OBJECTS): $(BUILD)/obj/%.o: %.c $(BUILD)/flags
 	@mkdir -p $(@D)
 	@echo "  CC      $<"
 	$(CC) $(LIB_FLAGS) $(DEPEND) -c -o $@ $<
@@ -136,8 +147,22 @@ $(SHARED): $(LIB_OBJECTS) $(LANES_OBJECTS) src/tribo_core.map
 $(LINKS): $(SHARED)
 	ln -sf $(<F) $@
 
+$(FULL_STATIC): $(FULL_OBJECTS)
+	@echo "  AR      $@"
+	rm -f $@
+	$(AR) rcs $@ $^
+
+$(FULL_SHARED): $(FULL_OBJECTS) $(LINKS) src/tribo_core.map
+	@echo "  LD      $@"
+	$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,-soname,$(FULL_SONAME) $(DEFS) \
+	    -Wl,-Bsymbolic-functions -Wl,--version-script=src/tribo_core.map -o $@ \
+	    $(FULL_OBJECTS) -L$(BUILD) -ltribo_core $(FULL_LIBS) -lm
+
+$(FULL_LINKS): $(FULL_SHARED)
+	ln -sf $(<F) $@
+
 # Made at each run, because PREFIX may differ from the last one; touched only if it does.
-$(PC): src/tribo_core.pc.in FORCE
+$(PC) $(FULL_PC): $(BUILD)/%.pc: src/%.pc.in FORCE
 	@mkdir -p $(@D)
 	sed -e 's|@prefix@|$(prefix)|' -e 's|@exec_prefix@|$(exec_prefix)|' -e 's|@libdir@|$(libdir)|' \
 	    -e 's|@includedir@|$(includedir)|' -e 's|@version@|$(VERSION)|' $< >$@.new
@@ -166,7 +191,7 @@ APP_OBJECTS := $(CLI_OBJECTS) $(FUZZ_OBJECTS) $(patsubst %.c,$(BUILD)/obj/%.o,\
 $(APP_OBJECTS): $(BUILD)/obj/%.o: %.c $(BUILD)/flags
 	@mkdir -p $(@D)
 	@echo "  CC      $<"
-	$(CC) $(COMMON) -Itests/support $(DEPEND) -c -o $@ $<
+	$(CC) $(COMMON) -Isrc -Itests/support $(DEPEND) -c -o $@ $<
 
 link = mkdir -p $(@D) && echo "  LD      $@" && \
        $(CC) $(CFLAGS) $(LDFLAGS) -o $@ $(filter %.o %.a,$^)
@@ -174,25 +199,25 @@ link = mkdir -p $(@D) && echo "  LD      $@" && \
 $(BUILD)/tribo: $(CLI_OBJECTS) $(STATIC)
 	$(link) -lcsv -lm
 
-$(TESTS): $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(SUPPORT_OBJECTS) $(STATIC)
-	$(link) -lcmocka -lm
+$(TESTS): $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(SUPPORT_OBJECTS) $(FULL_STATIC) $(STATIC)
+	$(link) -lcmocka $(FULL_LIBS) -lm
 
-$(BENCHES): $(BUILD)/bench/%: $(BUILD)/obj/tests/bench/%.o $(SUPPORT_OBJECTS) $(STATIC)
-	$(link) -lm
+$(BENCHES): $(BUILD)/bench/%: $(BUILD)/obj/tests/bench/%.o $(SUPPORT_OBJECTS) $(FULL_STATIC) $(STATIC)
+	$(link) $(FULL_LIBS) -lm
 
 $(RANDOMS): $(BUILD)/fuzz/%-random: $(BUILD)/obj/fuzz/%.o $(BUILD)/obj/fuzz/driver/random.o \
-    $(FUZZ_OBJECTS) $(STATIC)
-	$(link) -lm
+    $(FUZZ_OBJECTS) $(FULL_STATIC) $(STATIC)
+	$(link) $(FULL_LIBS) -lm
 
 $(REPLAYS): $(BUILD)/fuzz/%-replay: $(BUILD)/obj/fuzz/%.o $(BUILD)/obj/fuzz/driver/replay.o \
-    $(FUZZ_OBJECTS) $(STATIC)
-	$(link) -lm
+    $(FUZZ_OBJECTS) $(FULL_STATIC) $(STATIC)
+	$(link) $(FULL_LIBS) -lm
 
 # OSS-Fuzz and `make fuzz` name the engine: a flag such as -fsanitize=fuzzer, or an archive.
-$(ENGINES): $(BUILD)/fuzz/%: $(BUILD)/obj/fuzz/%.o $(FUZZ_OBJECTS) $(STATIC)
-	$(link) $(LIB_FUZZING_ENGINE) -lm
+$(ENGINES): $(BUILD)/fuzz/%: $(BUILD)/obj/fuzz/%.o $(FUZZ_OBJECTS) $(FULL_STATIC) $(STATIC)
+	$(link) $(LIB_FUZZING_ENGINE) $(FULL_LIBS) -lm
 
--include $(patsubst %.o,%.d,$(LIB_OBJECTS) $(LANES_OBJECTS) $(APP_OBJECTS))
+-include $(patsubst %.o,%.d,$(LIB_OBJECTS) $(FULL_OBJECTS) $(LANES_OBJECTS) $(APP_OBJECTS))
 
 # ---- install -------------------------------------------------------------------------------------
 
@@ -200,14 +225,18 @@ install: all
 	$(INSTALL) -d '$(DESTDIR)$(bindir)' '$(DESTDIR)$(pkgconfigdir)' '$(DESTDIR)$(includedir)/tribo'
 	$(INSTALL_PROGRAM) $(BUILD)/tribo '$(DESTDIR)$(bindir)'
 	$(INSTALL_DATA) $(HEADERS) '$(DESTDIR)$(includedir)/tribo'
-	$(INSTALL_DATA) $(STATIC) $(SHARED) '$(DESTDIR)$(libdir)'
+	$(INSTALL_DATA) $(STATIC) $(SHARED) $(FULL_STATIC) $(FULL_SHARED) '$(DESTDIR)$(libdir)'
 	ln -sf $(notdir $(SHARED)) '$(DESTDIR)$(libdir)/$(SONAME)'
 	ln -sf $(notdir $(SHARED)) '$(DESTDIR)$(libdir)/libtribo_core.so'
-	$(INSTALL_DATA) $(PC) '$(DESTDIR)$(pkgconfigdir)'
+	ln -sf $(notdir $(FULL_SHARED)) '$(DESTDIR)$(libdir)/$(FULL_SONAME)'
+	ln -sf $(notdir $(FULL_SHARED)) '$(DESTDIR)$(libdir)/libtribo.so'
+	$(INSTALL_DATA) $(PC) $(FULL_PC) '$(DESTDIR)$(pkgconfigdir)'
 
 uninstall:
-	rm -f '$(DESTDIR)$(bindir)/tribo' '$(DESTDIR)$(pkgconfigdir)/tribo_core.pc'
-	cd '$(DESTDIR)$(libdir)' && rm -f $(notdir $(STATIC) $(SHARED) $(LINKS))
+	rm -f '$(DESTDIR)$(bindir)/tribo'
+	cd '$(DESTDIR)$(pkgconfigdir)' && rm -f $(notdir $(PC) $(FULL_PC))
+	cd '$(DESTDIR)$(libdir)' && rm -f $(notdir $(STATIC) $(SHARED) $(LINKS)) \
+	    $(notdir $(FULL_STATIC) $(FULL_SHARED) $(FULL_LINKS))
 	cd '$(DESTDIR)$(includedir)' && rm -f $(HEADERS:include/%=%) && rmdir tribo
 
 # ---- demonstration, tests, benches ---------------------------------------------------------------

@@ -12,10 +12,11 @@ cd "${SRCDIR:-$(dirname "$0")/..}" || exit 2
 export LC_ALL=C
 : "${BUILD:=$PWD/build}" "${CC:=gcc}"
 library=$(readlink -f "$BUILD/libtribo_core.so")
+full=$(readlink -f "$BUILD/libtribo.so")
 work=$BUILD/abi
 mkdir -p "$work" || exit 2
 
-echo 1..7
+echo 1..8
 number=0 failures=0
 check() # NAME COMMAND...; what the command prints is shown if it fails
 {
@@ -38,7 +39,7 @@ skip()
 
 exported()
 {
-    nm -D --defined-only "$library" | awk '{ print $2, $3 }' | sort
+    nm -D --defined-only "$library" "$full" | awk 'NF == 3 { print $2, $3 }' | sort
 }
 
 # What the compiler sees of the headers, without comments, one declaration after the other.
@@ -58,7 +59,7 @@ declared_functions()
 declared_names()
 {
     declarations | awk '
-        /typedef struct tribo_/ { inside = 1; count = 0; next }
+        /typedef struct tribo_.*\{/ { inside = 1; count = 0; next }
         inside && /^ *} *tribo_/ {
             sub(/^ *} */, ""); sub(/;.*/, "")
             print $0
@@ -66,18 +67,25 @@ declared_names()
             inside = 0
             next
         }
-        inside && /;/ { sub(/(\[.*)?;.*/, ""); field[count++] = $NF; next }
+        inside && /;/ { sub(/(\[.*)?;.*/, ""); sub(/.*[ *]/, ""); field[count++] = $0; next }
         match($0, /TRIBO_[A-Z0-9_]+ = /) { print substr($0, RSTART, RLENGTH - 3) }' | sort
 }
 
 named_in_layout()
 {
-    awk '{ print $1 }' tests/abi/layout.txt | grep -vx -e tribo_status -e TRIBO_WORLD | sort
+    awk '{ print $1 }' tests/abi/layout.txt tests/abi/layout_tribo.txt | grep -vx -e tribo_status -e TRIBO_WORLD | sort
 }
 
 layout()
 {
     "$CC" -std=c99 -Iinclude tests/abi/layout.c -o "$work/layout" && "$work/layout"
+}
+
+# Structs of libtribo hold pointers: this golden is for machines of 64 bits.
+layout_tribo()
+{
+    "$CC" -std=c99 -Iinclude tests/abi/layout_tribo.c -o "$work/layout_tribo" &&
+        "$work/layout_tribo"
 }
 
 # abidw reads debug information; a library without it would compare equal to anything.
@@ -87,28 +95,34 @@ with_debug_info()
         MAKEFLAGS='' make -s lib BUILD="$work/build" CC=gcc CFLAGS='-O2 -g' LDFLAGS='' CPPFLAGS='' \
             >&2 || return 1
         library=$(readlink -f "$work/build/libtribo_core.so")
+        full=$(readlink -f "$work/build/libtribo.so")
     fi
     readelf -S "$library" | grep -q '\.debug_info'
 }
 
-types()
+types() # FILE LIBRARY
 {
     abidw --headers-dir include --drop-private-types --no-show-locs --no-comp-dir-path \
-        --no-corpus-path --no-elf-needed --out-file "$1" "$library"
+        --no-corpus-path --no-elf-needed --out-file "$1" "$2"
 }
 
 # abidw keeps the paths of the sources as the compiler was given them: relative ones.
 no_machine_path()
 {
-    ! grep -nE "(path|name|comp-dir-path)='/" tests/abi/tribo_core.abi
+    ! grep -nE "(path|name|comp-dir-path)='/" tests/abi/tribo_core.abi tests/abi/tribo.abi
 }
 
 same_types()
 {
     # A short baseline would say that nothing was read.
-    [ "$(grep -c "<function-decl name='tribo_" tests/abi/tribo_core.abi)" -eq \
-        "$(wc -l <tests/abi/symbols.txt)" ] &&
-        types "$work/tribo_core.abi" && abidiff tests/abi/tribo_core.abi "$work/tribo_core.abi"
+    local names
+    names=$(cat tests/abi/tribo_core.abi tests/abi/tribo.abi |
+        grep -o "<elf-symbol name='tribo_[a-z0-9_]*'\|<function-decl name='tribo_[a-z0-9_]*'[^>]*elf-symbol-id" |
+        grep -o "name='[a-z0-9_]*" | sort -u | wc -l)
+    [ "$names" -eq "$(wc -l <tests/abi/symbols.txt)" ] &&
+        types "$work/tribo_core.abi" "$library" &&
+        abidiff tests/abi/tribo_core.abi "$work/tribo_core.abi" &&
+        types "$work/tribo.abi" "$full" && abidiff tests/abi/tribo.abi "$work/tribo.abi"
 }
 
 same()
@@ -124,12 +138,15 @@ equal()
 if [ "${1:-}" = --update ]; then
     exported >tests/abi/symbols.txt
     layout >tests/abi/layout.txt
-    with_debug_info && types tests/abi/tribo_core.abi || exit 1
+    layout_tribo >tests/abi/layout_tribo.txt
+    with_debug_info && types tests/abi/tribo_core.abi "$library" &&
+        types tests/abi/tribo.abi "$full" || exit 1
 fi
 
 check "symbols are those of symbols.txt" same tests/abi/symbols.txt exported
 check "exactly the functions that headers declare are exported" equal declared_functions exported
 check "layouts and constants are those of layout.txt" same tests/abi/layout.txt layout
+check "layouts of libtribo are those of layout_tribo.txt" same tests/abi/layout_tribo.txt layout_tribo
 check "no struct, field or constant is missing in layout.txt" equal declared_names named_in_layout
 if command -v abidw >/dev/null && command -v abidiff >/dev/null; then
     check "the library has debug information to compare" with_debug_info

@@ -17,8 +17,10 @@ rm -rf "$work" && mkdir -p "$work" || exit 2
 flags=(-std=c99 -ffp-contract=off -fno-math-errno -fno-trapping-math -fno-tree-slp-vectorize)
 flags+=(-Iinclude -DTRIBO_BUILD)
 sources=()
+# libtribo_core alone: what needs other libraries cannot be built for every target
+full=" $(sed -n 's/^FULL_SOURCES := .*src\/,\(.*\))/\1/p' Makefile) "
 for source in src/*.c; do
-    [ "$source" = src/batch_lanes.c ] || sources+=("$source")
+    [ "$source" = src/batch_lanes.c ] || [[ $full == *" ${source#src/} "* ]] || sources+=("$source")
 done
 echo 'int main(void) { return 0; }' >"$work/nothing.c"
 

@@ -81,7 +81,8 @@ files_are_installed()
 {
     local file missing=0
     for file in bin/tribo lib/libtribo_core.a lib/libtribo_core.so lib/libtribo_core.so.0 \
-        lib/pkgconfig/tribo_core.pc $(cd include && ls -d tribo/*.h | sed 's|^|include/|'); do
+        lib/pkgconfig/tribo_core.pc lib/libtribo.a lib/libtribo.so lib/libtribo.so.0 \
+        lib/pkgconfig/tribo.pc $(cd include && ls -d tribo/*.h | sed 's|^|include/|'); do
         [ -e "$stage/usr/$file" ] || { echo "$file is not installed" && missing=1; }
     done
     return $missing
