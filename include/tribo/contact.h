@@ -30,8 +30,8 @@ typedef struct tribo_contact {
 /** What a contact does. */
 enum {
     TRIBO_MODE_OPEN = 0,  /**< separates, or no impulse is needed */
-    TRIBO_MODE_STICK = 1, /**< friction cancels all sliding that the law asks it to */
-    TRIBO_MODE_SLIP = 2,  /**< the impulse lies on the friction cone */
+    TRIBO_MODE_STICK = 1, /**< friction takes all sliding it is asked to, within mu_s p_n */
+    TRIBO_MODE_SLIP = 2,  /**< the impulse lies on the friction cone of mu_d */
     TRIBO_MODE_JAM = 3    /**< batch only: no bounded impulse exists */
 };
 
