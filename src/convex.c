@@ -36,6 +36,8 @@ enum {
     FACETS = 2 * POINTS
 };
 
+#define SAME 1e-9 /* of the reach: by so much two supports may contradict each other */
+
 typedef struct search {
     const pair_query *pair;
     double scale;       /* a power of two: lengths here are lengths there times scale */
@@ -428,7 +430,7 @@ static int contradicts(const search *s, const simplex *x, const double n[3], dou
 {
     int lie = 0;
     for (int i = 0; i < x->count; i++) {
-        lie |= !(dot(n, x->p[i]) <= width + 1e-9 * s->reach);
+        lie |= !(dot(n, x->p[i]) <= width + SAME * s->reach);
     }
     return lie;
 }
@@ -875,6 +877,7 @@ static int survey(search *s)
             return SURVEY_NEAR;
         }
         const double width = support(s, f->n, p);
+        s->fault |= width < f->d - SAME * s->reach;
         if (width - f->d > s->rounding && !grow(&x, at, p, s->rounding)) {
             return SURVEY_FAILED;
         }

@@ -284,6 +284,66 @@ static void swapping_the_bodies_turns_the_axis_round(void **state)
     assert_true(worst <= 1.0);
 }
 
+/* Where a face is what is nearest, the axis is its normal as the body has it, not one that an
+ * iteration came to. */
+static void takes_the_normals_of_faces_as_they_are(void **state)
+{
+    static pairs_pair pair;
+    static const int others[4] = {PAIRS_BOX, PAIRS_SPHERE, PAIRS_CYLINDER, PAIRS_USER};
+    uint64_t faces = 0;
+    (void)state;
+    for (uint64_t i = 0; i < problem_count(2000); i++) {
+        pair_axis axis;
+        tribo_collide_info info = {0};
+        pairs_draw(&pairs_classes[2 + i % 3], SEED + 6, i, PAIRS_BOX, others[i % 4], &pair);
+        ask(&pair, &axis, &info);
+        const double *r = pair.body[0].rotation;
+        for (int k = 0; k < 3; k++) {
+            const double along =
+                r[k] * pair.normal[0] + r[3 + k] * pair.normal[1] + r[6 + k] * pair.normal[2];
+            if (fabs(along) > 1.0 - 1e-14) {
+                const double column[3] = {copysign(1.0, along) * r[k],
+                                          copysign(1.0, along) * r[3 + k],
+                                          copysign(1.0, along) * r[6 + k]};
+                double off = 0.0;
+                for (int c = 0; c < 3; c++) {
+                    off = fmax(off, fabs(axis.normal[c] - column[c]));
+                }
+                assert_true(off <= 2.0 * DBL_EPSILON); /* made of unit length anew */
+                faces++;
+            }
+        }
+    }
+    print_message("# %llu faces\n", (unsigned long long)faces);
+    assert_true(faces > problem_count(2000) / 8);
+}
+
+/* What the shortcuts are for, by counts and not by the clock: support calls per pair on average. */
+static void needs_few_support_calls(void **state)
+{
+    static pairs_pair pair;
+    static const struct {
+        int a, b;
+        double most;
+    } bounds[] = {{PAIRS_SPHERE, PAIRS_BOX, 25.0},          {PAIRS_BOX, PAIRS_BOX, 38.0},
+                  {PAIRS_CAPSULE, PAIRS_HULL32, 28.0},      {PAIRS_HULL32, PAIRS_HULL32, 46.0},
+                  {PAIRS_ELLIPSOID, PAIRS_ELLIPSOID, 75.0}, {PAIRS_CYLINDER, PAIRS_BOX, 85.0}};
+    (void)state;
+    for (size_t k = 0; k < sizeof bounds / sizeof bounds[0]; k++) {
+        tribo_collide_info info = {0};
+        const uint64_t count = problem_count(400);
+        for (uint64_t i = 0; i < count; i++) {
+            pair_axis axis;
+            pairs_draw(&pairs_classes[1], SEED + 7, i, bounds[k].a, bounds[k].b, &pair);
+            ask(&pair, &axis, &info);
+        }
+        const double mean = (double)info.supports / (double)count;
+        print_message("# %s - %s: %.1f support calls\n", pairs_kind_names[bounds[k].a],
+                      pairs_kind_names[bounds[k].b], mean);
+        assert_true(mean <= bounds[k].most);
+    }
+}
+
 /* ---- users' functions
  * --------------------------------------------------------------------------- */
 
@@ -296,6 +356,8 @@ enum {
     LIE_BACKWARDS,
     LIE_HOLLOW,
     LIE_SOMETIMES,
+    LIE_LONG,
+    LIE_GROWING,
     LIES
 };
 
@@ -308,7 +370,7 @@ typedef struct liar {
 static void lying_support(const void *user, const double direction[3], double point[3])
 {
     liar *self = (liar *)(uintptr_t)user;
-    const double values[LIES] = {(double)NAN, HUGE_VAL, 1e300, 0.0, 0.7, 0.0, 0.0, 0.0};
+    const double values[LIES] = {(double)NAN, HUGE_VAL, 1e300, 0.0, 0.7};
     const double size = sqrt(direction[0] * direction[0] + direction[1] * direction[1] +
                              direction[2] * direction[2]);
     self->calls++;
@@ -320,6 +382,10 @@ static void lying_support(const void *user, const double direction[3], double po
             point[c] = -point[c];
         } else if (self->lie == LIE_HOLLOW) {
             point[c] = 0.5 * direction[c] / size * (fabs(direction[0]) > 0.5 * size ? 0.1 : 1.0);
+        } else if (self->lie == LIE_LONG) {
+            point[c] *= 3.0;
+        } else if (self->lie == LIE_GROWING) {
+            point[c] = direction[c] / size * (0.1 + 1e-4 * (double)self->calls);
         } else if (self->lie < LIE_RANDOM || self->lie == LIE_CONSTANT) {
             point[c] = values[self->lie];
         }
@@ -373,7 +439,8 @@ static void survives_users_that_lie(void **state)
     for (int k = LIE_NAN; k <= LIE_HUGE; k++) {
         assert_true(errors[k] == count);
     }
-    assert_true(errors[LIE_BACKWARDS] == count);
+    assert_true(errors[LIE_BACKWARDS] == count && errors[LIE_LONG] == count);
+    assert_true(errors[LIE_HOLLOW] > 0 && errors[LIE_SOMETIMES] > 0);
 }
 
 /* A user's function that asks about another pair while the first is under way. */
@@ -463,6 +530,8 @@ int main(void)
         cmocka_unit_test(finds_the_least_way_in_every_class),
         cmocka_unit_test(scales_by_powers_of_two_to_the_bit),
         cmocka_unit_test(swapping_the_bodies_turns_the_axis_round),
+        cmocka_unit_test(takes_the_normals_of_faces_as_they_are),
+        cmocka_unit_test(needs_few_support_calls),
         cmocka_unit_test(survives_users_that_lie),
         cmocka_unit_test(is_reentrant),
         cmocka_unit_test(adds_to_the_info_and_stops_early_where_bodies_are_apart),
