@@ -354,38 +354,60 @@ static void try_edges(const truth_body *a, const truth_body *b, double *width, d
 static void nearer(const double *apart, double *gap, double *normal)
 {
     double n[3] = {apart[0], apart[1], apart[2]};
-    const double size = normalize(n);
-    if (size < *gap && size > 0.0) {
+    const double size = sqrt(dot(n, n));
+    if (size < *gap) {
         *gap = size;
-        memcpy(normal, n, sizeof n);
+        normalize(n);
+        memcpy(normal, n, sizeof n); /* no direction if they meet */
     }
 }
 
-/* From the segment q + t f to the segment p + s e, by clamping (Ericson 2005, 5.1.9). */
+/* From the point on the segment q + t f nearest to p, to p; `sign` -1 turns it round. */
+static void point_segment(const double *p, const double *q, const double *f, double sign,
+                          double *gap, double *normal)
+{
+    double r[3];
+    double apart[3];
+    minus(p, q, r);
+    const double ff = dot(f, f);
+    const double t = ff > 0.0 ? fmin(fmax(dot(f, r) / ff, 0.0), 1.0) : 0.0;
+    for (int i = 0; i < 3; i++) {
+        apart[i] = sign * (r[i] - t * f[i]);
+    }
+    nearer(apart, gap, normal);
+}
+
+/* From the segment q + t f to the segment p + s e: all ends against the other segment, and where both
+ * are crossed inside by the line square to both. */
 static void segments(const double *p, const double *e, const double *q, const double *f,
                      double *gap, double *normal)
 {
     double r[3];
-    minus(p, q, r);
+    double ends[2][3];
+    for (int i = 0; i < 3; i++) {
+        r[i] = p[i] - q[i];
+        ends[0][i] = p[i] + e[i];
+        ends[1][i] = q[i] + f[i];
+    }
+    point_segment(p, q, f, 1.0, gap, normal);
+    point_segment(ends[0], q, f, 1.0, gap, normal);
+    point_segment(q, p, e, -1.0, gap, normal);
+    point_segment(ends[1], p, e, -1.0, gap, normal);
     const double ee = dot(e, e);
     const double ff = dot(f, f);
     const double ef = dot(e, f);
     const double er = dot(e, r);
     const double fr = dot(f, r);
     const double det = ee * ff - ef * ef;
-    double s = det > 0.0               ? fmin(fmax((ef * fr - er * ff) / det, 0.0), 1.0)
-               : ff <= 0.0 && ee > 0.0 ? fmin(fmax(-er / ee, 0.0), 1.0)
-                                       : 0.0;
-    double t = ff > 0.0 ? (ef * s + fr) / ff : 0.0;
-    if (t < 0.0 || t > 1.0) {
-        t = fmin(fmax(t, 0.0), 1.0);
-        s = ee > 0.0 ? fmin(fmax((ef * t - er) / ee, 0.0), 1.0) : 0.0;
+    const double s = (ef * fr - er * ff) / det;
+    const double t = (ee * fr - er * ef) / det;
+    if (det > 1e-14 * ee * ff && s >= 0.0 && s <= 1.0 && t >= 0.0 && t <= 1.0) {
+        double apart[3];
+        for (int i = 0; i < 3; i++) {
+            apart[i] = r[i] + s * e[i] - t * f[i];
+        }
+        nearer(apart, gap, normal);
     }
-    double apart[3];
-    for (int i = 0; i < 3; i++) {
-        apart[i] = r[i] + s * e[i] - t * f[i];
-    }
-    nearer(apart, gap, normal);
 }
 
 /* A point against the inside of all faces of the other body; `sign` 1 if the point is of A. */
@@ -527,10 +549,10 @@ static double rounded_polytopes(const truth_body *a, const truth_body *b, double
         return width; /* the cores overlap */
     }
     const double gap = core_gap(a, b, n);
-    if (gap < HUGE_VAL) {
+    if (gap > 0.0) {
         least(a, b, n, &width, normal);
     }
-    if (gap < 1e-6 * (a->radius + b->radius) || gap == HUGE_VAL) {
+    if (gap < 1e-6 * (a->radius + b->radius)) {
         try_squares(a, b, &width, normal);
     }
     return width;
