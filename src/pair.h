@@ -43,7 +43,7 @@ enum {
     PAIR_VERTEX = 0,
     PAIR_EDGE = 1,
     PAIR_FACE = 2,
-    PAIR_CURVED = 3,                           /* a point of a curved place */
+    PAIR_CURVED = 3,                         /* a point of a curved place */
     PAIR_MAX_POINTS = 2 * TRIBO_MAX_FACE + 8 /* two faces clipped have no more corners */
 };
 

@@ -43,8 +43,8 @@ typedef struct tribo_manifold {
     uint32_t count;   /**< number of points, 0 to 4 */
     uint32_t child_a; /**< COMPOUND: index of the child; MESH: of the triangle; else 0 */
     uint32_t child_b;
-    uint32_t method;  /**< TRIBO_METHOD_... that found it */
-    double normal[3]; /**< unit, world axes, from B to A */
+    uint32_t method;                      /**< TRIBO_METHOD_... that found it */
+    double normal[3];                     /**< unit, world axes, from B to A */
     tribo_point points[TRIBO_MAX_POINTS]; /**< those from `count` on are not written */
 } tribo_manifold;
 
@@ -61,17 +61,17 @@ typedef struct tribo_collide_options {
     uint32_t method;      /**< TRIBO_METHOD_... */
     uint32_t max_points;  /**< 1 to 4; 0: 4. The deepest stays, and what keeps most area */
     uint32_t reserved;
-    double margin;        /**< surfaces up to this far apart count (speculative), >= 0, m */
+    double margin; /**< surfaces up to this far apart count (speculative), >= 0, m */
 } tribo_collide_options;
 
 /** What a query cost. The caller sets struct_size. */
 typedef struct tribo_collide_info {
     uint32_t struct_size;
-    uint32_t closed;    /**< pairs done in closed form */
-    uint32_t general;   /**< pairs done by libccd */
-    uint32_t capped;    /**< of these, those that ran into a bound of work (still certified) */
-    uint64_t supports;  /**< support function calls of the search; faces and bounds need a few */
-    uint64_t mallocs;   /**< upper bound of allocations libccd made */
+    uint32_t closed;   /**< pairs done in closed form */
+    uint32_t general;  /**< pairs done by libccd */
+    uint32_t capped;   /**< of these, those that ran into a bound of work (still certified) */
+    uint64_t supports; /**< support function calls of the search; faces and bounds need a few */
+    uint64_t mallocs;  /**< upper bound of allocations libccd made */
 } tribo_collide_info;
 
 /** Manifolds between shape A at pose A and shape B at pose B. Convex pairs give at most one;
