@@ -481,8 +481,8 @@ typedef struct place {
     double bend[3]; /* Hessian: 00, 01, 11 */
 } place;
 
-/* The gradient of w on the sphere is the support point's part across n, its Hessian the derivative of
- * that minus w, here by differences. */
+/* The gradient of w on the sphere is the support point's part across n, its Hessian the derivative
+ * of that minus w, here by differences. */
 static void differentiate(search *s, place *at)
 {
     double f[9];
@@ -539,8 +539,8 @@ static int newton_step(search *s, place *at)
     return better ? STEP_TAKEN : STEP_NONE;
 }
 
-/* Returns whether a local minimum was reached and is one; 0 where the surface is flat, edged or bent
- * the wrong way. */
+/* Returns whether a local minimum was reached and is one; 0 where the surface is flat, edged or
+ * bent the wrong way. */
 static int newton(search *s)
 {
     place at;

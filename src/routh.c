@@ -82,7 +82,8 @@ static int may_compress_again(const routh_problem *c)
     return c->restituting && c->law != TRIBO_LAW_ROUTH_NEWTON;
 }
 
-/* A phase that ends by u_n ends exactly there: p_n follows from p_t, free of what rounding added up. */
+/* A phase that ends by u_n ends exactly there: p_n follows from p_t, free of what rounding added
+ * up. */
 static void meet_goal(const routh_problem *c, routh_state *state)
 {
     if (ends_by_velocity(c)) {

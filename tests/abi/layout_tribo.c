@@ -1,6 +1,6 @@
 /*
- * Layout of every public struct and value of every public constant that libtribo adds; the golden is
- * layout_tribo.txt.
+ * Layout of every public struct and value of every public constant that libtribo adds; the golden
+ * is layout_tribo.txt.
  */
 #include <tribo/broad.h>
 #include <tribo/collide.h>

@@ -377,8 +377,8 @@ static void point_segment(const double *p, const double *q, const double *f, dou
     nearer(apart, gap, normal);
 }
 
-/* From the segment q + t f to the segment p + s e: all ends against the other segment, and where both
- * are crossed inside by the line square to both. */
+/* From the segment q + t f to the segment p + s e: all ends against the other segment, and where
+ * both are crossed inside by the line square to both. */
 static void segments(const double *p, const double *e, const double *q, const double *f,
                      double *gap, double *normal)
 {
