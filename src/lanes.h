@@ -39,8 +39,8 @@ static inline void lanes_give(tribo_status status, uint32_t mode, size_t i, uint
     *first = *first == TRIBO_OK ? status : *first;
 }
 
-/* Find the bodies of one contact; ends receives A and B (an immovable body stands in for the world).
- * TRIBO_ERROR_INDEX or TRIBO_ERROR_ALIAS if that cannot be. */
+/* Find the bodies of one contact; ends receives A and B (an immovable body stands in for the
+ * world). TRIBO_ERROR_INDEX or TRIBO_ERROR_ALIAS if that cannot be. */
 tribo_status lanes_find_pair(size_t body_count, const tribo_body *bodies, const uint32_t pair[2],
                              const tribo_body *ends[2]);
 
