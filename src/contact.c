@@ -614,13 +614,17 @@ tribo_status tribo_cone_clamp(const double p[3], double mu, double out[3])
 {
     const tribo_status status = check_cone(p, mu, out);
     if (status == TRIBO_OK) {
+        const double big = greater(absolute(p[1]), absolute(p[2]));
+        const double s = power_of_two(scale_exponent(big));
+        const double x = s * p[1];
+        const double y = s * p[2];
         const double normal = p[0] > 0.0 ? p[0] : 0.0;
-        const double length = planar_length(p[1], p[2]);
+        const double length = sqrt(x * x + y * y);
         const double limit = mu * normal;
-        const int outside = length > limit;
+        const int outside = length / s > limit;
         out[0] = normal;
-        out[1] = outside ? p[1] / length * limit : p[1];
-        out[2] = outside ? p[2] / length * limit : p[2];
+        out[1] = outside ? x / length * limit : p[1];
+        out[2] = outside ? y / length * limit : p[2];
     }
     return status;
 }

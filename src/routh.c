@@ -421,11 +421,15 @@ static int run_turning(routh_problem *c, routh_state *state)
 
 /* ---- the whole impact ------------------------------------------------------------------------ */
 
-/* Slip without friction: the whole impact is one linear piece, whichever way the slip turns. */
-static int run_without_friction(routh_problem *c, routh_state *state)
+/* Slip without friction: linear whichever way it turns. It stops on the way only if w is straight
+ * against it. */
+static int run_without_friction(routh_problem *c, double r, routh_state *state)
 {
     const routh_slope slope = {c->a, {c->w[0], c->w[1]}, {0.0, 0.0}};
-    return run_linearly(c, &slope, -1.0, state);
+    const double across = state->ut[0] * c->w[1] - state->ut[1] * c->w[0];
+    const double along = state->ut[0] * c->w[0] + state->ut[1] * c->w[1];
+    const int stops = across == 0.0 && along < 0.0;
+    return run_linearly(c, &slope, stops ? r / length_of(c->w) : -1.0, state);
 }
 
 /* One piece from slip at speed r. Returns as run_linearly. */
@@ -476,7 +480,7 @@ double routh_scaled(const kernel_problem *problem, const tribo_material *pair, u
         if (r <= stopped) {
             ended = run_from_rest(&c, &state, &mode);
         } else if (c.mu_d == 0.0) {
-            ended = run_without_friction(&c, &state);
+            ended = run_without_friction(&c, r, &state);
         } else {
             ended = run_slip(&c, r, force_linear, &state);
         }

@@ -114,17 +114,22 @@ static double normal_impulse(const solve_general *g, const slide *e, const doubl
     return -(g->bn + (g->row[0] * p[0] + g->row[1] * p[1]) / e->scale) / g->nn;
 }
 
-/* 1 if mu p_n >= |p_t| at this nu: to the right of the root. Both sides times 1 + nu, against
- * underflow of p_t where nu is huge. */
-static int friction_suffices(const solve_general *g, const slide *e, double mu, double nu)
+/* mu p_n - |p_t| at this nu, times 1 + nu against underflow of p_t where nu is huge; negative to
+ * the left of the root, and where S + nu 1 is singular. */
+static double friction_gap(const solve_general *g, const slide *e, double mu, double nu)
 {
     double p[2];
     if (!solve_shifted(e, nu, p)) {
-        return 0;
+        return -1.0;
     }
     const double x = (1.0 + nu) * p[0];
     const double y = (1.0 + nu) * p[1];
-    return (1.0 + nu) * normal_impulse(g, e, p) * mu * e->scale >= sqrt(x * x + y * y);
+    return (1.0 + nu) * normal_impulse(g, e, p) * mu * e->scale - sqrt(x * x + y * y);
+}
+
+static int friction_suffices(const solve_general *g, const slide *e, double mu, double nu)
+{
+    return friction_gap(g, e, mu, nu) >= 0.0;
 }
 
 /* Bisection on the bit pattern halves the number of doubles between the ends: at most 64 steps, to
@@ -146,16 +151,47 @@ static double bisect(const solve_general *g, const slide *e, double mu, double l
     return double_of(high_bits);
 }
 
-/* A nu in (low, high) at which friction does not suffice although it does at both ends, by steps of
- * an eighth of an octave; 0 if there is none. */
+/* A nu in (low, high) at which the gap is negative, by golden section; else 0. */
+static double find_dip(const solve_general *g, const slide *e, double mu, double low, double high,
+                       uint32_t *iterations)
+{
+    const double golden = 0.61803398874989485;
+    for (int step = 0; step < 64; step++) {
+        const double left = high - golden * (high - low);
+        const double right = low + golden * (high - low);
+        const double gap_left = friction_gap(g, e, mu, left);
+        const double gap_right = friction_gap(g, e, mu, right);
+        ++*iterations;
+        if (gap_left < 0.0 || gap_right < 0.0) {
+            return gap_left < 0.0 ? left : right;
+        }
+        low = gap_left > gap_right ? left : low;
+        high = gap_left > gap_right ? high : right;
+    }
+    return 0.0;
+}
+
+/* A nu in (low, high) at which friction does not suffice although it does at both ends: steps of an
+ * eighth of an octave, and a closer look at each dip. 0 if there is none. */
 static double find_slip(const solve_general *g, const slide *e, double mu, double low, double high,
                         uint32_t *iterations)
 {
-    for (double nu = 1.09 * low; nu < high; nu *= 1.09) {
+    const double ratio = 1.0905077326652577; /* 2^(1/8) */
+    double gap[2] = {friction_gap(g, e, mu, low), friction_gap(g, e, mu, ratio * low)};
+    for (double nu = ratio * ratio * low; nu < high; nu *= ratio) {
+        const double next = friction_gap(g, e, mu, nu);
         ++*iterations;
-        if (!friction_suffices(g, e, mu, nu)) {
-            return nu;
+        if (gap[1] < 0.0) {
+            return nu / ratio;
         }
+        if (gap[1] <= gap[0] && gap[1] <= next) {
+            const double dip = find_dip(g, e, mu, nu / (ratio * ratio), nu, iterations);
+            if (dip > 0.0) {
+                return dip;
+            }
+        }
+        gap[0] = gap[1];
+        gap[1] = next;
     }
     return 0.0;
 }
