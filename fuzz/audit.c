@@ -630,4 +630,4 @@ const property property_list[] = {
     {"contact_wild", contact_wild, 1},
 };
 const size_t property_count = PROPERTY_COUNT(property_list);
-const unsigned property_trials = 20000;
+const unsigned property_trials = 40000;

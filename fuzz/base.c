@@ -100,4 +100,4 @@ const property property_list[] = {
     {"version", version, 100},
 };
 const size_t property_count = PROPERTY_COUNT(property_list);
-const unsigned property_trials = 100000;
+const unsigned property_trials = 300000;

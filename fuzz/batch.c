@@ -371,4 +371,4 @@ const property property_list[] = {
     {"isa_names", isa_names, 1},     {"bad_isa", bad_isa, 1},       {"bad_null", bad_null, 1},
 };
 const size_t property_count = PROPERTY_COUNT(property_list);
-const unsigned property_trials = 4000;
+const unsigned property_trials = 8000;

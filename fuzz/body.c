@@ -882,4 +882,4 @@ const property property_list[] = {
     {"advance_range", advance_range, 100},
 };
 const size_t property_count = PROPERTY_COUNT(property_list);
-const unsigned property_trials = 20000;
+const unsigned property_trials = 30000;

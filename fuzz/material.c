@@ -262,4 +262,4 @@ const property property_list[] = {
     {"table", table, 1},     {"table_bad", table_bad, 1},
 };
 const size_t property_count = PROPERTY_COUNT(property_list);
-const unsigned property_trials = 50000;
+const unsigned property_trials = 100000;

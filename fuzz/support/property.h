@@ -125,9 +125,6 @@ void property_fail_status(property_trial *t, const char *expression, const char 
 /** The same bytes. */
 #define REQUIRE_SAME(t, left, right, bytes) REQUIRE(t, property_same((left), (right), (bytes)))
 
-/** End a property after a helper that may have failed or skipped. */
-#define DONE(t) ((t)->expression != NULL || (t)->skipped)
-
 int property_same(const void *left, const void *right, size_t bytes);
 
 /** Fill memory with a pattern that no result is likely to be, and see whether it is still there. */
