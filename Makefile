@@ -194,7 +194,7 @@ $(APP_OBJECTS): $(BUILD)/obj/%.o: %.c $(BUILD)/flags
 	$(CC) $(COMMON) -Isrc -Itests/support $(DEPEND) -c -o $@ $<
 
 link = mkdir -p $(@D) && echo "  LD      $@" && \
-       $(CC) $(CFLAGS) $(LDFLAGS) -o $@ $(filter %.o %.a,$^)
+       $(CC) $(CFLAGS) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^)
 
 $(BUILD)/tribo: $(CLI_OBJECTS) $(STATIC)
 	$(link) -lcsv -lm
@@ -207,15 +207,21 @@ $(BENCHES): $(BUILD)/bench/%: $(BUILD)/obj/tests/bench/%.o $(SUPPORT_OBJECTS) $(
 
 $(RANDOMS): $(BUILD)/fuzz/%-random: $(BUILD)/obj/fuzz/%.o $(BUILD)/obj/fuzz/driver/random.o \
     $(FUZZ_OBJECTS) $(FULL_STATIC) $(STATIC)
-	$(link) $(FULL_LIBS) -lm
+	$(link) $(FULL_LIBS) $(ROOM_LIBS) -lm
 
 $(REPLAYS): $(BUILD)/fuzz/%-replay: $(BUILD)/obj/fuzz/%.o $(BUILD)/obj/fuzz/driver/replay.o \
     $(FUZZ_OBJECTS) $(FULL_STATIC) $(STATIC)
-	$(link) $(FULL_LIBS) -lm
+	$(link) $(FULL_LIBS) $(ROOM_LIBS) -lm
 
 # OSS-Fuzz and `make fuzz` name the engine: a flag such as -fsanitize=fuzzer, or an archive.
 $(ENGINES): $(BUILD)/fuzz/%: $(BUILD)/obj/fuzz/%.o $(FUZZ_OBJECTS) $(FULL_STATIC) $(STATIC)
-	$(link) $(LIB_FUZZING_ENGINE) $(FULL_LIBS) -lm
+	$(link) $(LIB_FUZZING_ENGINE) $(FULL_LIBS) $(ROOM_LIBS) -lm
+
+# The room of the program's readers is linked with them.
+READERS := $(patsubst %.c,$(BUILD)/obj/%.o,src/cli/cli.c src/cli/problem.c src/cli/table.c)
+TABLE := $(BUILD)/fuzz/table $(BUILD)/fuzz/table-random $(BUILD)/fuzz/table-replay
+$(TABLE): $(READERS)
+$(TABLE): ROOM_LIBS := -lcsv
 
 -include $(patsubst %.o,%.d,$(LIB_OBJECTS) $(FULL_OBJECTS) $(LANES_OBJECTS) $(APP_OBJECTS))
 
