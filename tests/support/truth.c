@@ -232,7 +232,8 @@ static double reach_local(const truth_body *body, const double *n)
                     s[2] * s[2] * n[2] * n[2]);
     default:
         for (int i = 0; i < body->core->vertices; i++) {
-            most = fmax(most, dot(n, body->core->vertex[i]));
+            const double along = dot(n, body->core->vertex[i]);
+            most = along > most ? along : most; /* fmax is a call, and this is the inner loop */
         }
         return most + body->radius * sqrt(dot(n, n));
     }
