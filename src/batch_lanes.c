@@ -310,11 +310,11 @@ static void frame_lanes(lane_row *normal, lane_row *frame)
     }
 }
 
-static void add_mobility_lanes(const lane_body *body, lane_row *frame, lane_row *w)
+static void mobility_lanes(const lane_body *body, lane_row *frame, lane_row *out)
 {
     for (int i = 0; i < LANES; i++) {
         double r[9];
-        double sum[6];
+        double own[6];
         double rows[9];
         const double arm[3] = {body->arm[0][i], body->arm[1][i], body->arm[2][i]};
         const double inertia[6] = {body->inertia[0][i], body->inertia[1][i], body->inertia[2][i],
@@ -322,13 +322,10 @@ static void add_mobility_lanes(const lane_body *body, lane_row *frame, lane_row 
         for (int k = 0; k < 9; k++) {
             rows[k] = frame[k][i];
         }
-        for (int k = 0; k < 6; k++) {
-            sum[k] = w[k][i];
-        }
         rotation_rows(body->q[0][i], body->q[1][i], body->q[2][i], body->q[3][i], r);
-        kernel_add_mobility(r, inertia, 0, arm, rows, sum);
+        kernel_mobility(r, inertia, 0, arm, rows, own);
         for (int k = 0; k < 6; k++) {
-            w[k][i] = sum[k];
+            out[k][i] = own[k];
         }
     }
 }
@@ -346,14 +343,23 @@ static int any_inertia(const lane_body *body)
 
 static void matrix_lanes(const lane_body ends[2], lane_row *frame, lane_row *w)
 {
-    for (int i = 0; i < LANES; i++) {
-        const double inverse_mass = ends[0].inverse_mass[i] + ends[1].inverse_mass[i];
-        w[0][i] = w[3][i] = w[5][i] = inverse_mass;
-        w[1][i] = w[2][i] = w[4][i] = 0.0;
-    }
+    lane_row mobility[2][6] = {{{0.0}}};
     for (int end = 0; end < 2; end++) {
         if (any_inertia(&ends[end])) {
-            add_mobility_lanes(&ends[end], frame, w);
+            mobility_lanes(&ends[end], frame, mobility[end]);
+        }
+    }
+    for (int i = 0; i < LANES; i++) {
+        double of_a[6];
+        double of_b[6];
+        double own[6];
+        for (int k = 0; k < 6; k++) {
+            of_a[k] = mobility[0][k][i];
+            of_b[k] = mobility[1][k][i];
+        }
+        kernel_join(ends[0].inverse_mass[i] + ends[1].inverse_mass[i], of_a, of_b, own);
+        for (int k = 0; k < 6; k++) {
+            w[k][i] = own[k];
         }
     }
 }
@@ -414,7 +420,7 @@ static void matrix_block(size_t body_count, const tribo_body *bodies, size_t cou
     for (size_t i = 0; i < count; i++) {
         double entries[6];
         for (int k = 0; k < 6; k++) {
-            entries[k] = matrix[k][i] + 0.0;
+            entries[k] = matrix[k][i];
         }
         const tribo_status status = judge_matrix(judged[i], entries);
         if (status == TRIBO_OK) {

@@ -93,8 +93,8 @@ tribo_status tribo_contact_velocity(const tribo_body *a, const tribo_body *b,
     return TRIBO_OK;
 }
 
-static void add_mobility(const tribo_body *body, const double arm[3], const double frame[9],
-                         double w[6])
+static void find_mobility(const tribo_body *body, const double arm[3], const double frame[9],
+                          double out[6])
 {
     if (body && has_inertia(body)) {
         const double *q = body->orientation;
@@ -102,24 +102,23 @@ static void add_mobility(const tribo_body *body, const double arm[3], const doub
         double r[9];
         rotation_rows(q[0], q[1], q[2], q[3], r);
         if (j[1] == 0.0 && j[2] == 0.0 && j[4] == 0.0) {
-            kernel_add_mobility(r, j, 1, arm, frame, w);
+            kernel_mobility(r, j, 1, arm, frame, out);
         } else {
-            kernel_add_mobility(r, j, 0, arm, frame, w);
+            kernel_mobility(r, j, 0, arm, frame, out);
         }
+    } else {
+        memset(out, 0, 6 * sizeof *out);
     }
 }
 
 static tribo_status build_matrix(const tribo_body *a, const tribo_body *b,
                                  const tribo_contact *contact, const double frame[9], double w[6])
 {
-    const double inverse_mass = a->inverse_mass + (b ? b->inverse_mass : 0.0);
-    w[0] = w[3] = w[5] = inverse_mass;
-    w[1] = w[2] = w[4] = 0.0;
-    add_mobility(a, contact->arm_a, frame, w);
-    add_mobility(b, contact->arm_b, frame, w);
-    for (int i = 0; i < 6; i++) {
-        w[i] += 0.0; /* no entry is -0, whichever body adds nothing */
-    }
+    double of_a[6];
+    double of_b[6];
+    find_mobility(a, contact->arm_a, frame, of_a);
+    find_mobility(b, contact->arm_b, frame, of_b);
+    kernel_join(a->inverse_mass + (b ? b->inverse_mass : 0.0), of_a, of_b, w);
     if (!all_finite(w, 6)) {
         return TRIBO_ERROR_RANGE;
     }

@@ -32,11 +32,23 @@ enum {
     GJK_ROUNDS = 40,
     DESCENTS = 16,
     NEWTON_STEPS = 8,
+    EXPLORES = 16,
     POINTS = 100,
     FACETS = 2 * POINTS
 };
 
+#define SAME_WAY 0.99 /* cosine */
 #define SAME 1e-9 /* of the reach: by so much two supports may contradict each other */
+
+/* How w rises around a local minimum: with the square of the way along `across` where M is smooth,
+ * at once to both sides of a kink that runs along the first of them. */
+typedef struct basin {
+    double n[3];
+    double across[2][3];
+    double width;
+    double bend[3];    /* Hessian: 00, 01, 11 */
+    double slope[2];   /* per angle towards the second and away from it */
+} basin;
 
 typedef struct search {
     const pair_query *pair;
@@ -52,6 +64,7 @@ typedef struct search {
     double rounding;  /* of a width */
     double normal[3]; /* direction of the least width seen */
     double width;
+    basin lowest;   /* of the local minima whose surroundings are known; width: infinite if none */
     uint64_t calls; /* of M; each is one of A and one of B */
     uint64_t limit; /* beyond this many libccd is told to stop */
     int flat;       /* M is a polytope */
@@ -539,6 +552,13 @@ static int newton_step(search *s, place *at)
     return better ? STEP_TAKEN : STEP_NONE;
 }
 
+static void note_basin(search *s, const basin *found)
+{
+    if (found->width < s->lowest.width) {
+        s->lowest = *found;
+    }
+}
+
 /* Returns whether a local minimum was reached and is one; 0 where the surface is flat, edged or
  * bent the wrong way. */
 static int newton(search *s)
@@ -550,7 +570,14 @@ static int newton(search *s)
     for (int k = 0; k < NEWTON_STEPS && step == STEP_TAKEN && !s->fault && !apart(s); k++) {
         step = newton_step(s, &at);
     }
-    return step == STEP_DONE;
+    if (step != STEP_DONE) {
+        return 0;
+    }
+    basin found = {{0.0}, {{0.0}}, at.width, {at.bend[0], at.bend[1], at.bend[2]}, {0.0, 0.0}};
+    copy(at.n, found.n);
+    memcpy(found.across, at.across, sizeof found.across);
+    note_basin(s, &found);
+    return 1;
 }
 
 /* ---- descent --------------------------------------------------------------------------------- */
@@ -583,6 +610,7 @@ typedef struct facet {
     int v[3];    /* counter-clockwise seen from outside */
     int next[3]; /* facet across the side from v[i] to v[i + 1] */
     int state;
+    int explored; /* a search from its normal found what lies beyond it */
 } facet;
 
 /* A THIN facet has no normal to speak of. It is never asked and goes as soon as a neighbour
@@ -619,6 +647,7 @@ static void set_facet(polytope *x, int at, int a, int b, int c)
     f->v[1] = b;
     f->v[2] = c;
     f->state = length(n) > x->thin * longest ? FACET_KEPT : FACET_THIN;
+    f->explored = 0;
     f->d = HUGE_VAL;
     if (f->state == FACET_KEPT && unit(n, f->n)) {
         f->d = dot(f->n, x->p[a]);
@@ -834,57 +863,6 @@ static int first_polytope(search *s, polytope *x)
     return whole;
 }
 
-static int nearest_facet(const polytope *x)
-{
-    int best = -1;
-    for (int i = 0; i < x->facets; i++) {
-        if (x->f[i].state == FACET_KEPT && (best < 0 || x->f[i].d < x->f[best].d)) {
-            best = i;
-        }
-    }
-    return best;
-}
-
-/* Whether nothing below the least width is left to be found beyond the nearest facet: it is as
- * far as that but for half a percent and faces the same way, or as far but for little. */
-static int settled(const search *s, const facet *f)
-{
-    const double share = dot(f->n, s->normal) > 0.99 ? 0.995 : 0.9999;
-    return f->d >= share * s->width;
-}
-
-enum { SURVEY_FAILED, SURVEY_NEAR, SURVEY_EXACT };
-
-/* Looks at M where the polytope in it comes nearest to the origin, until that is as far as the
- * least width. EXACT if it is so to rounding: then that is the least of all. */
-static int survey(search *s)
-{
-    polytope x;
-    if (!first_polytope(s, &x)) {
-        return SURVEY_FAILED;
-    }
-    while (!s->fault && !apart(s)) {
-        double p[3];
-        const int at = nearest_facet(&x);
-        if (at < 0) {
-            return SURVEY_FAILED;
-        }
-        const facet *f = &x.f[at];
-        if (s->width - f->d <= s->rounding) {
-            return SURVEY_EXACT;
-        }
-        if (settled(s, f)) {
-            return SURVEY_NEAR;
-        }
-        const double width = support(s, f->n, p);
-        s->fault |= width < f->d - SAME * s->reach;
-        if (width - f->d > s->rounding && !grow(&x, at, p, s->rounding)) {
-            return SURVEY_FAILED;
-        }
-    }
-    return SURVEY_FAILED;
-}
-
 /* ---- kinks ----------------------------------------------------------------------------------- */
 
 typedef struct support_face {
@@ -984,36 +962,91 @@ static int snap(search *s)
            (a.count > 1 && b.count > 1 && prefer_edges(s, &a, &b));
 }
 
-/* The edge of a face that is the squarest to the axis; 0 if none is nearly so. */
-static int square_edge(const search *s, const support_face *face, double best[3])
+/* Directions in which w is kinked: those n with n . axis = along, a great circle square to an edge
+ * or, round a cone, the small circle square to its lines. */
+typedef struct crease {
+    double axis[3];
+    double along;
+} crease;
+
+/* The nearest of these directions. */
+static void onto(const crease *k, const double v[3], double n[3])
+{
+    double across[3];
+    const double along = dot(v, k->axis);
+    const double side = sqrt(1.0 - k->along * k->along);
+    for (int i = 0; i < 3; i++) {
+        across[i] = v[i] - along * k->axis[i];
+    }
+    (void)unit(across, across);
+    for (int i = 0; i < 3; i++) {
+        n[i] = k->along * k->axis[i] + side * across[i];
+    }
+}
+
+/* The way along them. */
+static void tangent(const crease *k, const double n[3], double t[3])
+{
+    cross(k->axis, n, t);
+    (void)unit(t, t);
+}
+
+static void turn_onto(const crease *k, const double n[3], const double t[3], double x, double out[3])
+{
+    double v[3];
+    turn(n, t, x, v);
+    onto(k, v, out);
+}
+
+/* The kink of the edge of a face that is the squarest to the axis; 0 if none is nearly so. */
+static int edge_crease(const search *s, const support_face *face, crease *k)
 {
     double least = 0.1;
+    k->along = 0.0;
     for (uint32_t i = 0; i < face->count && face->count > 1; i++) {
         double e[3];
         if (edge(face, i, e) && absolute(dot(e, s->normal)) < least) {
             least = absolute(dot(e, s->normal));
-            copy(e, best);
+            copy(e, k->axis);
         }
     }
     return least < 0.1;
 }
 
-/* Newton along the great circle square to an edge, where w is smooth along it. Returns the bend
- * of w there; 0 if it did not end in a minimum. */
-static double along_ridge(search *s, const double e[3], double n[3])
+static int crease_of(const search *s, const tribo_shape *shape, const double r[9], double sign,
+                   const support_face *face, crease *k)
+{
+    if (shape->type != TRIBO_SHAPE_CONE || face->count != 2) {
+        return edge_crease(s, face, k);
+    }
+    const double slant[3] = {shape->size[0], 2.0 * shape->size[1], 0.0};
+    double n[3];
+    (void)unit(slant, n);
+    k->along = n[0];
+    for (int i = 0; i < 3; i++) {
+        k->axis[i] = sign * r[3 * i + 2];
+    }
+    return absolute(dot(k->axis, s->normal) - k->along) < 0.1;
+}
+
+/* Newton along a kink, where w is smooth. Returns the bend of w there; 0 if it did not end in a
+ * minimum. */
+static double along_ridge(search *s, const crease *k, double n[3])
 {
     double t[3];
     double p[3];
     double width = support(s, n, p);
-    for (int k = 0; k < NEWTON_STEPS && !s->fault && !apart(s); k++) {
+    for (int step = 0; step < NEWTON_STEPS && !s->fault && !apart(s); step++) {
         double m[3];
         double q[3];
-        cross(e, n, t);
+        tangent(k, n, t);
         const double slope = dot(p, t);
         const double delta = lesser(greater(0.01 * absolute(slope) / s->small, 1e-6), 1e-3);
-        turn(n, t, delta, m);
+        turn_onto(k, n, t, delta, m);
         (void)support(s, m, q);
-        const double bend = (dot(q, t) - slope) / delta - width;
+        const double inward =
+            (width - k->along * dot(p, k->axis)) / (1.0 - k->along * k->along);
+        const double bend = (dot(q, t) - slope) / delta - inward;
         if (!(bend > 1e-6 * s->small) || absolute(slope) > 0.5 * bend) {
             return 0.0;
         }
@@ -1021,7 +1054,7 @@ static double along_ridge(search *s, const double e[3], double n[3])
         if (gain <= 0.25 * s->rounding) {
             return bend;
         }
-        turn(n, t, 0.0 - slope / bend, m);
+        turn_onto(k, n, t, 0.0 - slope / bend, m);
         const double found = support(s, m, p);
         if (!(found < width - 0.25 * gain)) {
             return 0.0;
@@ -1032,26 +1065,25 @@ static double along_ridge(search *s, const double e[3], double n[3])
     return 0.0;
 }
 
-/* Where an edge e meets a curved place w is kinked across e. Returns whether a local minimum was
- * reached: the support points on both sides of the kink then have the foot of the origin between
- * them. */
-static int ridge(search *s, const double e[3])
+/* Where an edge meets a curved place w is kinked across the edge. Returns whether a local minimum
+ * was reached: the support points on both sides of the kink then have the foot of the origin
+ * between them. */
+static int ridge(search *s, const crease *k)
 {
     double n[3];
     double t[3];
+    double e[3];
     double m[3];
     double left[3];
     double right[3];
     const double tilt = 3e-8;
-    const double along = dot(e, s->normal);
-    const double flat[3] = {s->normal[0] - along * e[0], s->normal[1] - along * e[1],
-                            s->normal[2] - along * e[2]};
-    (void)unit(flat, n);
-    const double bend = along_ridge(s, e, n);
+    onto(k, s->normal, n);
+    const double bend = along_ridge(s, k, n);
     if (!(bend > 0.0)) {
         return 0;
     }
-    cross(e, n, t);
+    tangent(k, n, t);
+    cross(n, t, e);
     turn(n, e, tilt, m);
     const double width = support(s, m, right);
     turn(n, e, 0.0 - tilt, m);
@@ -1060,8 +1092,16 @@ static int ridge(search *s, const double e[3])
     const double before = dot(left, e);
     const double slip =
         (dot(left, t) * after - dot(right, t) * before) / greater(after - before, s->rounding);
-    return after > 0.0 && before < 0.0 && 0.5 * slip * slip <= bend * s->rounding &&
-           width <= s->width + tilt * s->reach;
+    if (!(after > 0.0 && before < 0.0 && 0.5 * slip * slip <= bend * s->rounding &&
+          width <= s->width + tilt * s->reach)) {
+        return 0;
+    }
+    basin found = {{0.0}, {{0.0}}, width, {bend, 0.0, 0.0}, {after, before}};
+    copy(n, found.n);
+    copy(t, found.across[0]);
+    copy(e, found.across[1]);
+    note_basin(s, &found);
+    return 1;
 }
 
 /* Edges against curved places. */
@@ -1069,9 +1109,10 @@ static int climb_ridges(search *s)
 {
     support_face a;
     support_face b;
-    double e[3];
+    crease k;
     faces_of(s, &a, &b);
-    return (square_edge(s, &a, e) && ridge(s, e)) || (square_edge(s, &b, e) && ridge(s, e));
+    return (crease_of(s, s->pair->a, s->pair->ra, -1.0, &a, &k) && ridge(s, &k)) ||
+           (crease_of(s, s->pair->b, s->pair->rb, 1.0, &b, &k) && ridge(s, &k));
 }
 
 /* ---- the search ------------------------------------------------------------------------------ */
@@ -1107,6 +1148,7 @@ static void begin(search *s, const pair_query *pair)
     s->reach = (outer[0] + outer[1]) * s->scale;
     s->rounding = 4.0 * TRIBO_EPS * s->reach;
     s->width = HUGE_VAL;
+    s->lowest.width = HUGE_VAL;
     s->calls = 0;
     s->limit = 0;
     s->stopped = 0;
@@ -1138,6 +1180,95 @@ static void settle(search *s)
     if ((s->flat && s->width < 0.0) || (!newton(s) && !climb_ridges(s))) {
         descend(s);
     }
+}
+
+static int nearest_facet(const polytope *x)
+{
+    int best = -1;
+    for (int i = 0; i < x->facets; i++) {
+        const facet *f = &x->f[i];
+        if (f->state == FACET_KEPT && !f->explored && (best < 0 || f->d < x->f[best].d)) {
+            best = i;
+        }
+    }
+    return best;
+}
+
+/* Whether the lowest local minimum explains the width along a direction near it. */
+static int explains(const search *s, const double n[3], double width)
+{
+    const basin *at = &s->lowest;
+    const double along = dot(n, at->n);
+    const double x = dot(n, at->across[0]) / along;
+    const double y = dot(n, at->across[1]) / along;
+    const double rise = 0.5 * (at->bend[0] * x * x + at->bend[2] * y * y) + at->bend[1] * x * y +
+                        at->slope[y > 0.0 ? 0 : 1] * y;
+    return along > SAME_WAY && absolute(width - at->width - rise) <= 0.25 * rise + 4.0 * s->rounding;
+}
+
+/* Whether the polytope is so near to M beyond a facet that a search from its normal finds what is
+ * lower there. */
+static int is_near(const search *s, const facet *f)
+{
+    const int known = s->lowest.width <= s->width + s->rounding && dot(f->n, s->lowest.n) > SAME_WAY;
+    return !s->flat && f->d >= (known ? 0.995 : 0.9999) * s->width;
+}
+
+static void explore(search *s, const double n[3])
+{
+    double p[3];
+    double known[3];
+    const double width = s->width;
+    copy(s->normal, known);
+    s->width = HUGE_VAL;
+    (void)support(s, n, p);
+    settle(s);
+    if (!(s->width < width)) {
+        s->width = width;
+        copy(known, s->normal);
+    }
+}
+
+enum { SURVEY_FAILED, SURVEY_NEAR, SURVEY_EXACT };
+
+/* Looks at M where the polytope in it comes nearest to the origin, until that is as far as the
+ * least width. EXACT if it is so to rounding: then that is the least of all. */
+static int survey(search *s)
+{
+    polytope x;
+    int explored = 0;
+    int near = 0;
+    if (!first_polytope(s, &x)) {
+        return SURVEY_FAILED;
+    }
+    while (!s->fault && !apart(s)) {
+        double p[3];
+        const int at = nearest_facet(&x);
+        if (at < 0) {
+            return near > 0 ? SURVEY_NEAR : SURVEY_FAILED;
+        }
+        facet *f = &x.f[at];
+        if (s->width - f->d <= s->rounding) {
+            return near > 0 ? SURVEY_NEAR : SURVEY_EXACT;
+        }
+        const double width = support(s, f->n, p);
+        s->fault |= width < f->d - SAME * s->reach;
+        if (is_near(s, f)) {
+            f->explored = 1;
+            near++;
+            if (!explains(s, f->n, width)) {
+                if (explored++ == EXPLORES) {
+                    return SURVEY_NEAR;
+                }
+                explore(s, f->n);
+            }
+            continue;
+        }
+        if (width - f->d > s->rounding && !grow(&x, at, p, s->rounding)) {
+            return SURVEY_FAILED;
+        }
+    }
+    return SURVEY_FAILED;
 }
 
 /* M as a whole, once the best is a local minimum or, at a kink, may be one. */

@@ -18,13 +18,6 @@
 
 /* ---- layout ---------------------------------------------------------------------------------- */
 
-static uint64_t place(uint64_t *end, uint64_t size)
-{
-    const uint64_t start = *end;
-    *end = start + ((size + 7u) & ~(uint64_t)7u);
-    return start;
-}
-
 /* Sizes and offsets follow from the three counts alone. */
 static void lay_out(hull_block *head, uint32_t vertex_count, uint32_t face_count,
                     uint32_t side_count)
@@ -39,13 +32,13 @@ static void lay_out(hull_block *head, uint32_t vertex_count, uint32_t face_count
     head->vertex_count = vertex_count;
     head->face_count = face_count;
     head->side_count = side_count;
-    head->vertices = place(&end, v * 3 * sizeof(double));
-    head->planes = place(&end, f * 4 * sizeof(double));
-    head->face_starts = place(&end, (f + 1) * sizeof(uint32_t));
-    head->loops = place(&end, s * sizeof(uint32_t));
-    head->ring_starts = place(&end, (v + 1) * sizeof(uint32_t));
-    head->rings = place(&end, s * 2 * sizeof(uint32_t));
-    head->seeds = place(&end, v > HULL_LINEAR ? HULL_SEEDS * sizeof(uint32_t) : 0);
+    head->vertices = block_place(&end, v * 3 * sizeof(double));
+    head->planes = block_place(&end, f * 4 * sizeof(double));
+    head->face_starts = block_place(&end, (f + 1) * sizeof(uint32_t));
+    head->loops = block_place(&end, s * sizeof(uint32_t));
+    head->ring_starts = block_place(&end, (v + 1) * sizeof(uint32_t));
+    head->rings = block_place(&end, s * 2 * sizeof(uint32_t));
+    head->seeds = block_place(&end, v > HULL_LINEAR ? HULL_SEEDS * sizeof(uint32_t) : 0);
     head->bytes = end;
 }
 
@@ -116,12 +109,15 @@ static int numbers_are_valid(const hull_block *hull)
     return 1;
 }
 
-int hull_check(const void *block, size_t size)
+uint64_t hull_sum(const hull_block *hull)
 {
-    const hull_block *hull = block;
-    if (size < sizeof *hull || !hull_head_is_valid(block) || hull->bytes > size) {
-        return 0;
-    }
+    return block_sum(hull, hull->bytes, offsetof(hull_block, sum));
+}
+
+/* Whether all indices are in range, and all numbers such as a hull has: no query then reads outside
+ * of the block, and each comes to an end. */
+static int body_is_valid(const hull_block *hull)
+{
     const uint32_t vertices = hull->vertex_count;
     const uint32_t *rings = hull_table(hull, hull->rings);
     const uint32_t seeds = vertices > HULL_LINEAR ? HULL_SEEDS : 0;
@@ -133,6 +129,19 @@ int hull_check(const void *block, size_t size)
            indices_are_valid(rings + 1, hull->side_count, 2, hull->face_count) &&
            indices_are_valid(hull_table(hull, hull->seeds), seeds, 1, vertices) &&
            numbers_are_valid(hull);
+}
+
+/* The sum tells damage; the rest, a block that was written to deceive. */
+tribo_status tribo_hull_check(const void *block, size_t size)
+{
+    if (!block) {
+        return TRIBO_ERROR_NULL;
+    }
+    const hull_block *hull = block;
+    const int is_whole = block_is_aligned(block) && size >= sizeof *hull &&
+                         hull_head_is_valid(block) && hull->bytes <= size;
+    return is_whole && hull_sum(hull) == hull->sum && body_is_valid(hull) ? TRIBO_OK
+                                                                          : TRIBO_ERROR_DATA;
 }
 
 tribo_status tribo_hull_counts(const void *block, uint32_t *vertices, uint32_t *faces)
@@ -968,6 +977,7 @@ static tribo_status assemble(assembly *work)
     if (!measure_hull(work) || !all_are_inside(work)) {
         return TRIBO_ERROR_DEGENERATE;
     }
+    work->hull->sum = hull_sum(work->hull);
     return numbers_are_valid(work->hull) ? TRIBO_OK : TRIBO_ERROR_RANGE;
 }
 

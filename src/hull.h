@@ -5,7 +5,7 @@
 
 #include <tribo/shape.h>
 
-#include "bits.h"
+#include "block.h"
 
 #define HULL_MAGIC 0x6c6c75686f626974u /* "tibohull" in the order of a little-endian machine */
 #define HULL_VERSION 1u
@@ -30,6 +30,7 @@ typedef struct hull_block {
     double center[3];     /* centroid of the solid */
     double inner;         /* radius of the ball around it that touches the nearest plane */
     double outer;         /* radius of the ball around it that reaches the farthest vertex */
+    uint64_t sum;         /* block_sum of all other bytes */
 } hull_block;
 
 TRIBO_ALWAYS_INLINE const double *hull_vertices(const hull_block *hull)
@@ -51,9 +52,8 @@ TRIBO_ALWAYS_INLINE const uint32_t *hull_table(const hull_block *hull, uint64_t 
  * same for every size. */
 int hull_head_is_valid(const void *block);
 
-/* Whether a block of `size` bytes from elsewhere is a hull: all indices in range, numbers finite,
- * normals of unit length, faces closed. After this no query reads outside of the block. */
-int hull_check(const void *block, size_t size);
+/* The sum that belongs into a block. */
+uint64_t hull_sum(const hull_block *hull);
 
 /* Index of the vertex farthest along a direction that is neither zero nor of extreme length. */
 uint32_t hull_support(const hull_block *hull, const double direction[3]);

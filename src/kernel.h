@@ -271,11 +271,10 @@ TRIBO_ALWAYS_INLINE void kernel_solve_algebraic(const kernel_problem *k, double 
     out->mode = sound ? out->mode : KERNEL_ODD;
 }
 
-/* What one body adds to W: x_k . J x_l with x_k = R^T (r x n_k), in body axes. A diagonal J saves
- * products with zero, which change no bit but the signs of zeros. */
-TRIBO_ALWAYS_INLINE void kernel_add_mobility(const double r[9], const double j[6], int diagonal,
-                                             const double arm[3], const double frame[9],
-                                             double w[6])
+/* What the inertia of one body adds to W: x_k . J x_l with x_k = R^T (r x n_k), in body axes. A
+ * diagonal J saves products with zero, which change no bit but the signs of zeros. */
+TRIBO_ALWAYS_INLINE void kernel_mobility(const double r[9], const double j[6], int diagonal,
+                                         const double arm[3], const double frame[9], double out[6])
 {
     double x[3][3];
     double z[3][3];
@@ -296,12 +295,25 @@ TRIBO_ALWAYS_INLINE void kernel_add_mobility(const double r[9], const double j[6
         z[k][1] = diagonal ? j[3] * x1 : j[1] * x0 + j[3] * x1 + j[4] * x2;
         z[k][2] = diagonal ? j[5] * x2 : j[2] * x0 + j[4] * x1 + j[5] * x2;
     }
-    w[0] += x[0][0] * z[0][0] + x[0][1] * z[0][1] + x[0][2] * z[0][2];
-    w[1] += x[0][0] * z[1][0] + x[0][1] * z[1][1] + x[0][2] * z[1][2];
-    w[2] += x[0][0] * z[2][0] + x[0][1] * z[2][1] + x[0][2] * z[2][2];
-    w[3] += x[1][0] * z[1][0] + x[1][1] * z[1][1] + x[1][2] * z[1][2];
-    w[4] += x[1][0] * z[2][0] + x[1][1] * z[2][1] + x[1][2] * z[2][2];
-    w[5] += x[2][0] * z[2][0] + x[2][1] * z[2][1] + x[2][2] * z[2][2];
+    out[0] = x[0][0] * z[0][0] + x[0][1] * z[0][1] + x[0][2] * z[0][2];
+    out[1] = x[0][0] * z[1][0] + x[0][1] * z[1][1] + x[0][2] * z[1][2];
+    out[2] = x[0][0] * z[2][0] + x[0][1] * z[2][1] + x[0][2] * z[2][2];
+    out[3] = x[1][0] * z[1][0] + x[1][1] * z[1][1] + x[1][2] * z[1][2];
+    out[4] = x[1][0] * z[2][0] + x[1][1] * z[2][1] + x[1][2] * z[2][2];
+    out[5] = x[2][0] * z[2][0] + x[2][1] * z[2][1] + x[2][2] * z[2][2];
+}
+
+/* W of the two bodies' mobilities: the bodies first, so that exchanging them changes no bit. The
+ * added 0 leaves no entry -0, whichever body adds nothing. */
+TRIBO_ALWAYS_INLINE void kernel_join(double inverse_mass, const double of_a[6],
+                                     const double of_b[6], double w[6])
+{
+    w[0] = inverse_mass + (of_a[0] + of_b[0]);
+    w[1] = 0.0 + (of_a[1] + of_b[1]);
+    w[2] = 0.0 + (of_a[2] + of_b[2]);
+    w[3] = inverse_mass + (of_a[3] + of_b[3]);
+    w[4] = 0.0 + (of_a[4] + of_b[4]);
+    w[5] = inverse_mass + (of_a[5] + of_b[5]);
 }
 
 #endif

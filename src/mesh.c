@@ -8,17 +8,16 @@
 
 /* ---- layout ---------------------------------------------------------------------------------- */
 
-static uint64_t place(uint64_t *end, uint64_t size)
-{
-    const uint64_t start = *end;
-    *end = start + ((size + 7u) & ~(uint64_t)7u);
-    return start;
-}
-
 /* All leaves but the last are full, so that the number of nodes follows from that of the faces. */
 static uint32_t leaves_of(uint32_t face_count)
 {
     return (face_count + MESH_LEAF - 1u) / MESH_LEAF;
+}
+
+/* Nodes of a tree over so many leaves. */
+static uint32_t nodes_of(uint32_t leaves)
+{
+    return 2u * leaves - 1u;
 }
 
 static void lay_out(mesh_block *head, uint32_t vertex_count, uint32_t face_count)
@@ -30,14 +29,14 @@ static void lay_out(mesh_block *head, uint32_t vertex_count, uint32_t face_count
     head->version = MESH_VERSION;
     head->vertex_count = vertex_count;
     head->face_count = face_count;
-    head->node_count = 2u * leaves_of(face_count) - 1u;
+    head->node_count = nodes_of(leaves_of(face_count));
     /* Before there are nodes, their place serves for sorting: the sides of all faces, twice. */
     const uint64_t nodes = head->node_count * sizeof(mesh_node);
     const uint64_t sides = faces * 6u * sizeof(uint32_t);
-    head->vertices = place(&end, (uint64_t)vertex_count * 3u * sizeof(double));
-    head->faces = place(&end, faces * sizeof(mesh_face));
-    head->nodes = place(&end, nodes > sides ? nodes : sides);
-    head->order = place(&end, faces * sizeof(uint32_t));
+    head->vertices = block_place(&end, (uint64_t)vertex_count * 3u * sizeof(double));
+    head->faces = block_place(&end, faces * sizeof(mesh_face));
+    head->nodes = block_place(&end, nodes > sides ? nodes : sides);
+    head->order = block_place(&end, faces * sizeof(uint32_t));
     head->bytes = end;
 }
 
@@ -56,7 +55,7 @@ static void *own_place(mesh_block *mesh, uint64_t offset)
     return (unsigned char *)mesh + offset;
 }
 
-/* ---- judging a block ------------------------------------------------------------------------- */
+/* ---- head and vertices ----------------------------------------------------------------------- */
 
 int mesh_head_is_valid(const void *block)
 {
@@ -68,34 +67,7 @@ int mesh_head_is_valid(const void *block)
     }
     mesh_block expected;
     lay_out(&expected, head->vertex_count, head->face_count);
-    return memcmp(head, &expected, sizeof expected) == 0;
-}
-
-static int faces_are_valid(const mesh_block *mesh)
-{
-    const mesh_face *faces = mesh_faces(mesh);
-    const uint32_t *order = mesh_order(mesh);
-    for (uint32_t i = 0; i < mesh->face_count; i++) {
-        const uint32_t *v = faces[i].vertices;
-        if (v[0] >= mesh->vertex_count || v[1] >= mesh->vertex_count ||
-            v[2] >= mesh->vertex_count || order[i] >= mesh->face_count) {
-            return 0;
-        }
-    }
-    return 1;
-}
-
-static int nodes_are_valid(const mesh_block *mesh)
-{
-    const mesh_node *nodes = mesh_nodes(mesh);
-    for (uint32_t i = 0; i < mesh->node_count; i++) {
-        const mesh_node *node = &nodes[i];
-        if (node->skip <= i || node->skip > mesh->node_count || node->count > MESH_LEAF ||
-            node->first > mesh->face_count - node->count) {
-            return 0;
-        }
-    }
-    return 1;
+    return memcmp(head, &expected, offsetof(mesh_block, sum)) == 0;
 }
 
 static int vertices_are_finite(size_t count, const double *vertices)
@@ -108,20 +80,14 @@ static int vertices_are_finite(size_t count, const double *vertices)
     return 1;
 }
 
-int mesh_check(const void *block, size_t size)
-{
-    const mesh_block *mesh = block;
-    return size >= sizeof *mesh && mesh_head_is_valid(block) && mesh->bytes <= size &&
-           vertices_are_finite(mesh->vertex_count, mesh_vertices(mesh)) && faces_are_valid(mesh) &&
-           nodes_are_valid(mesh);
-}
-
 /* ---- triangles ------------------------------------------------------------------------------- */
 
+/* By a power of two, which before the difference may carry large coordinates out of range, and after
+ * it comes too late for their difference. */
 static void scaled_edge(double scale, const double *from, const double *to, double out[3])
 {
     for (int i = 0; i < 3; i++) {
-        out[i] = scale * to[i] - scale * from[i];
+        out[i] = scale > 1.0 ? scale * (to[i] - from[i]) : scale * to[i] - scale * from[i];
     }
 }
 
@@ -344,28 +310,41 @@ static int code_is_before(const void *context, uint32_t a, uint32_t b)
     return codes[a] < codes[b];
 }
 
-/* Order of the faces along the curve that visits the cells of an octree (Morton 1966). */
-static void order_faces(mesh_block *mesh)
+/* Place of a face on the curve that visits the cells of an octree (Morton 1966). Halves first: the
+ * sum and the difference of the largest numbers overflow. */
+static uint64_t code_of(const mesh_block *mesh, const double low[3], double scale, uint32_t slot)
+{
+    double from[3];
+    double to[3];
+    uint64_t code = 0;
+    face_bounds(mesh, slot, from, to);
+    for (int i = 0; i < 3; i++) {
+        const double middle = (0.5 * from[i] - 0.5 * low[i]) + (0.5 * to[i] - 0.5 * low[i]);
+        const uint64_t cell = (uint64_t)(lesser(scale * middle, 2.0) * 1048575.0);
+        code |= spread(cell & 0x1fffffu) << i;
+    }
+    return code;
+}
+
+/* What code_of needs: the lowest corner, and the scale that brings the faces into the octree. */
+static double octree_of(const mesh_block *mesh, double low[3])
 {
     static const double unturned[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
-    uint64_t *codes = own_place(mesh, mesh->nodes);
-    uint32_t *order = own_place(mesh, mesh->order);
-    double low[3];
     double high[3];
     double extent[3];
     mesh_extent(mesh, unturned, low, high);
     scaled_edge(0.5, low, high, extent);
-    const double scale = 0.25 * power_of_two(scale_exponent(largest_component(extent)));
+    return 0.5 * power_of_two(scale_exponent(largest_component(extent)));
+}
+
+static void order_faces(mesh_block *mesh)
+{
+    uint64_t *codes = own_place(mesh, mesh->nodes);
+    uint32_t *order = own_place(mesh, mesh->order);
+    double low[3];
+    const double scale = octree_of(mesh, low);
     for (uint32_t f = 0; f < mesh->face_count; f++) {
-        double from[3];
-        double to[3];
-        face_bounds(mesh, f, from, to);
-        codes[f] = 0;
-        for (int i = 0; i < 3; i++) {
-            const double middle = scale * from[i] + scale * to[i] - 2.0 * scale * low[i];
-            const uint64_t cell = (uint64_t)(middle * 1048575.0);
-            codes[f] |= spread(cell & 0x1fffffu) << i;
-        }
+        codes[f] = code_of(mesh, low, scale, f);
         order[f] = f;
     }
     sort_ids(order, (uint32_t *)(void *)(codes + mesh->face_count), mesh->face_count,
@@ -398,15 +377,14 @@ static void fill_leaf(const mesh_block *mesh, uint32_t leaf, mesh_node *node)
     }
 }
 
-/* Node `at` over leaves [leaf, leaf + count), halved each time: no deeper than 32. Returns the next
- * free node. */
-static uint32_t build_nodes(mesh_block *mesh, uint32_t at, uint32_t leaf, uint32_t count)
+/* Node `at` over leaves [leaf, leaf + count), when its children are made. */
+static mesh_node form_node(const mesh_block *mesh, uint32_t at, uint32_t leaf, uint32_t count)
 {
-    mesh_node *nodes = own_place(mesh, mesh->nodes);
+    const mesh_node *left = &mesh_nodes(mesh)[at + 1];
     mesh_node node;
-    uint32_t end = at + 1;
     memset(&node, 0, sizeof node);
     node.least = UINT32_MAX;
+    node.skip = at + nodes_of(count);
     for (int i = 0; i < 3; i++) {
         node.low[i] = HUGE_VAL;
         node.high[i] = -HUGE_VAL;
@@ -414,16 +392,94 @@ static uint32_t build_nodes(mesh_block *mesh, uint32_t at, uint32_t leaf, uint32
     if (count == 1) {
         fill_leaf(mesh, leaf, &node);
     } else {
-        const uint32_t half = count / 2u;
-        const uint32_t right = build_nodes(mesh, at + 1, leaf, half);
-        end = build_nodes(mesh, right, leaf + half, count - half);
-        grow(&node, nodes[at + 1].low, nodes[at + 1].high, nodes[at + 1].least,
-             nodes[at + 1].greatest);
-        grow(&node, nodes[right].low, nodes[right].high, nodes[right].least, nodes[right].greatest);
+        const mesh_node *right = left + nodes_of(count / 2u);
+        grow(&node, left->low, left->high, left->least, left->greatest);
+        grow(&node, right->low, right->high, right->least, right->greatest);
     }
-    node.skip = end;
-    nodes[at] = node;
-    return end;
+    return node;
+}
+
+/* Leaves are halved each time: no deeper than 32. */
+static void build_nodes(mesh_block *mesh, uint32_t at, uint32_t leaf, uint32_t count)
+{
+    if (count > 1) {
+        const uint32_t half = count / 2u;
+        build_nodes(mesh, at + 1, leaf, half);
+        build_nodes(mesh, at + 1 + nodes_of(half), leaf + half, count - half);
+    }
+    mesh_node *nodes = own_place(mesh, mesh->nodes);
+    nodes[at] = form_node(mesh, at, leaf, count);
+}
+
+/* ---- judging a block ------------------------------------------------------------------------- */
+
+static int faces_are_valid(const mesh_block *mesh)
+{
+    const mesh_face *faces = mesh_faces(mesh);
+    for (uint32_t i = 0; i < mesh->face_count; i++) {
+        const uint32_t *v = faces[i].vertices;
+        double normal[3];
+        if (v[0] >= mesh->vertex_count || v[1] >= mesh->vertex_count ||
+            v[2] >= mesh->vertex_count || !normal_of(mesh_vertices(mesh), v, normal) ||
+            (i > 0 && faces[i].index <= faces[i - 1].index)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Whether the faces lie along the curve, those of one cell by rising slot. No slot then comes
+ * twice. */
+static int order_is_valid(const mesh_block *mesh)
+{
+    const uint32_t *order = mesh_order(mesh);
+    double low[3];
+    const double scale = octree_of(mesh, low);
+    uint64_t before = 0;
+    for (uint32_t i = 0; i < mesh->face_count; i++) {
+        if (order[i] >= mesh->face_count) {
+            return 0;
+        }
+        const uint64_t code = code_of(mesh, low, scale, order[i]);
+        if (i > 0 && (code < before || (code == before && order[i] <= order[i - 1]))) {
+            return 0;
+        }
+        before = code;
+    }
+    return 1;
+}
+
+/* Whether node `at` and all below it are what build_nodes makes. */
+static int tree_is_valid(const mesh_block *mesh, uint32_t at, uint32_t leaf, uint32_t count)
+{
+    const uint32_t half = count / 2u;
+    const mesh_node node = form_node(mesh, at, leaf, count);
+    return memcmp(&node, &mesh_nodes(mesh)[at], sizeof node) == 0 &&
+           (count == 1 ||
+            (tree_is_valid(mesh, at + 1, leaf, half) &&
+             tree_is_valid(mesh, at + 1 + nodes_of(half), leaf + half, count - half)));
+}
+
+uint64_t mesh_sum(const mesh_block *mesh)
+{
+    return block_sum(mesh, mesh->bytes, offsetof(mesh_block, sum));
+}
+
+/* The sum tells damage; the rest, a block that was written to deceive. */
+tribo_status tribo_mesh_check(const void *block, size_t size)
+{
+    if (!block) {
+        return TRIBO_ERROR_NULL;
+    }
+    const mesh_block *mesh = block;
+    const int is_whole = block_is_aligned(block) && size >= sizeof *mesh &&
+                         mesh_head_is_valid(block) && mesh->bytes <= size;
+    return is_whole && mesh_sum(mesh) == mesh->sum &&
+                   vertices_are_finite(mesh->vertex_count, mesh_vertices(mesh)) &&
+                   faces_are_valid(mesh) && order_is_valid(mesh) &&
+                   tree_is_valid(mesh, 0, 0, leaves_of(mesh->face_count))
+               ? TRIBO_OK
+               : TRIBO_ERROR_DATA;
 }
 
 /* ---- building -------------------------------------------------------------------------------- */
@@ -499,6 +555,7 @@ tribo_status tribo_mesh_build(size_t vertex_count, const double *vertices, size_
     order_faces(mesh);
     memset(own_place(mesh, head.nodes), 0, (size_t)(head.order - head.nodes));
     build_nodes(mesh, 0, 0, leaves_of(faces));
+    mesh->sum = mesh_sum(mesh);
     return TRIBO_OK;
 }
 

@@ -4,7 +4,7 @@
 
 #include <tribo/shape.h>
 
-#include "bits.h"
+#include "block.h"
 
 #define MESH_MAGIC 0x6873656d6f626974u /* "tibomesh" in the order of a little-endian machine */
 #define MESH_VERSION 1u
@@ -47,6 +47,7 @@ typedef struct mesh_block {
     uint64_t faces;    /* mesh_face[F], without degenerate ones, by rising index */
     uint64_t nodes;    /* mesh_node[N] */
     uint64_t order;    /* uint32_t[F]: slots of faces, leaf by leaf */
+    uint64_t sum;      /* block_sum of all other bytes */
 } mesh_block;
 
 TRIBO_ALWAYS_INLINE const double *mesh_vertices(const mesh_block *mesh)
@@ -62,9 +63,8 @@ TRIBO_ALWAYS_INLINE const mesh_face *mesh_faces(const mesh_block *mesh)
 /* Whether the head of a block is one of this version with sizes and offsets that agree. */
 int mesh_head_is_valid(const void *block);
 
-/* Whether a block of `size` bytes from elsewhere is a mesh: all indices in range, numbers finite,
- * the tree closed. After this no query reads outside of the block. */
-int mesh_check(const void *block, size_t size);
+/* The sum that belongs into a block. */
+uint64_t mesh_sum(const mesh_block *mesh);
 
 /* Bounds of the mesh along the rows of a rotation. */
 void mesh_extent(const mesh_block *mesh, const double rows[9], double low[3], double high[3]);

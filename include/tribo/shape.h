@@ -82,7 +82,8 @@ typedef struct tribo_convex {
 
 /* ---- judging --------------------------------------------------------------------------------- */
 
-/** Judge a shape and the data it names; of a block its head alone, at the same cost for any size.
+/** Judge a shape and the data it names; of a block its head alone, at the same cost for any size
+ *  (tribo_hull_check and tribo_mesh_check judge all of it).
  *  @return TRIBO_OK, TRIBO_ERROR_NULL (shape, or data that its type needs), TRIBO_ERROR_OPTION
  *          (type), TRIBO_ERROR_NOT_FINITE, TRIBO_ERROR_SHAPE (a size is not positive; a compound
  *          has no child, or one that is not convex),
@@ -155,8 +156,17 @@ TRIBO_API tribo_status tribo_shape_mass(const tribo_shape *shape, double density
 TRIBO_API tribo_status tribo_hull_build(size_t count, const double *points, void *block,
                                         size_t capacity, size_t *needed);
 
-/** Numbers of vertices and (merged) faces of a hull block. @return TRIBO_ERROR_NULL,
- *  TRIBO_ERROR_DATA. */
+/** Judge a block from elsewhere, such as a file, before it is used: whether tribo_hull_build of this
+ *  version made it, on a machine of the same byte order, and no byte of it has changed since.
+ *  Damage shows by a sum over all bytes. A block that was written to deceive may pass, and then is
+ *  some other shape, but no call that is given it leaves it or runs without end. Takes time of the
+ *  order of its size.
+ *  @param size bytes that may be read at `block`; those beyond the block are not looked at
+ *  @return TRIBO_ERROR_NULL, TRIBO_ERROR_DATA (also if it is not aligned to 8, or cut off). */
+TRIBO_API tribo_status tribo_hull_check(const void *block, size_t size);
+
+/** Numbers of vertices and (merged) faces of a hull block; its head alone is judged.
+ *  @return TRIBO_ERROR_NULL, TRIBO_ERROR_DATA. */
 TRIBO_API tribo_status tribo_hull_counts(const void *block, uint32_t *vertices, uint32_t *faces);
 
 /* ---- triangle meshes ------------------------------------------------------------------------- */
@@ -175,6 +185,9 @@ TRIBO_API tribo_status tribo_hull_counts(const void *block, uint32_t *vertices, 
 TRIBO_API tribo_status tribo_mesh_build(size_t vertex_count, const double *vertices, size_t count,
                                         const uint32_t *triangles, void *block, size_t capacity,
                                         size_t *needed);
+
+/** Judge a block from elsewhere that is said to be a mesh: as tribo_hull_check. */
+TRIBO_API tribo_status tribo_mesh_check(const void *block, size_t size);
 
 #ifdef __cplusplus
 }

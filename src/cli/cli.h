@@ -18,6 +18,7 @@ enum {
 /** Each takes the arguments from the command's name on and returns the exit status. */
 int cli_impact(int argc, char **argv);
 int cli_toss(int argc, char **argv);
+int cli_collide(int argc, char **argv);
 int cli_demo(int argc, char **argv);
 
 /** Print "tribo: " and the message to standard error; returns `exit_status`. */

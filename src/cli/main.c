@@ -4,19 +4,20 @@
 #include "cli.h"
 
 static const char USAGE[] =
-    "usage: tribo COMMAND [OPTION...] [FILE.csv]\n"
+    "usage: tribo COMMAND [OPTION...] [FILE]\n"
     "\n"
     "Contact and friction between rigid bodies.\n"
     "\n"
     "commands:\n"
     "  impact FILE.csv --law NAME  impulses of impacts, one for each row\n"
     "  toss FILE.csv               predict measured tosses of a cube, and say how well\n"
+    "  collide FILE [--margin M]   contact manifolds of pairs of shapes\n"
     "  demo [--out DIR]            what each impact law keeps, breaks and costs; with pictures\n"
     "\n"
     "  tribo COMMAND --help        about one command\n"
     "  tribo --version             version of the library\n"
     "\n"
-    "FILE.csv may be - for standard input. Exit status: 0; 1 if the input is bad, 2 if the command "
+    "FILE may be - for standard input. Exit status: 0; 1 if the input is bad, 2 if the command "
     "line is.\n";
 
 typedef struct cli_command {
@@ -25,7 +26,7 @@ typedef struct cli_command {
 } cli_command;
 
 static const cli_command COMMANDS[] = {
-    {"impact", cli_impact}, {"toss", cli_toss}, {"demo", cli_demo}};
+    {"impact", cli_impact}, {"toss", cli_toss}, {"collide", cli_collide}, {"demo", cli_demo}};
 
 int main(int argc, char **argv)
 {
