@@ -63,7 +63,7 @@ static void *build_hull(size_t count, const double *points)
     void *block = malloc(needed);
     assert_non_null(block);
     assert_int_equal(tribo_hull_build(count, points, block, needed, NULL), TRIBO_OK);
-    assert_true(hull_check(block, needed));
+    assert_int_equal(tribo_hull_check(block, needed), TRIBO_OK);
     return block;
 }
 
@@ -1401,7 +1401,40 @@ static void test_blocks_mean_the_same_elsewhere(void **state)
     free(again);
 }
 
-/* A block with any byte changed is refused, or every query on it stays within it. */
+/* A bit of a byte turns over. */
+static void damage(problem_random *random, unsigned char *byte)
+{
+    *byte = (unsigned char)(*byte ^ 1u << problem_random_bits(random) % 8u);
+}
+
+static void test_block_statuses(void **state)
+{
+    (void)state;
+    static double points[150];
+    problem_random random;
+    problem_random_start(&random, STREAM_HULL, SEED + 5, 0);
+    ball_points(&random, 50, 1, points);
+    hull_block *hull = build_hull(50, points);
+    const size_t size = (size_t)hull->bytes;
+    unsigned char *moved = malloc(size + 16);
+    assert_non_null(moved);
+    memcpy(moved + 1, hull, size);
+    assert_int_equal(tribo_hull_check(NULL, size), TRIBO_ERROR_NULL);
+    assert_int_equal(tribo_hull_check(hull, size), TRIBO_OK);
+    assert_int_equal(tribo_hull_check(hull, size + 8), TRIBO_OK);
+    assert_int_equal(tribo_hull_check(hull, size - 1), TRIBO_ERROR_DATA);
+    assert_int_equal(tribo_hull_check(hull, 16), TRIBO_ERROR_DATA);
+    assert_int_equal(tribo_hull_check(hull, 0), TRIBO_ERROR_DATA);
+    assert_int_equal(tribo_hull_check(moved + 1, size), TRIBO_ERROR_DATA);
+    memcpy(moved + 8, hull, size);
+    assert_int_equal(tribo_hull_check(moved + 8, size), TRIBO_OK);
+    assert_int_equal(tribo_mesh_check(hull, size), TRIBO_ERROR_DATA);
+    free(moved);
+    free(hull);
+}
+
+/* A block with any bit changed is refused. If the sum is put right, the block is refused still, or
+ * every query on it stays within it. */
 static void test_broken_hull_blocks(void **state)
 {
     (void)state;
@@ -1413,19 +1446,20 @@ static void test_broken_hull_blocks(void **state)
     const size_t size = (size_t)hull->bytes;
     unsigned char *bytes = (unsigned char *)hull;
     unsigned refused = 0;
-    assert_false(hull_check(hull, size - 8));
-    assert_false(hull_check(hull, 16));
     for (size_t i = 0; i < size; i++) {
         const unsigned char before = bytes[i];
-        bytes[i] = (unsigned char)(before ^ (1u << problem_random_bits(&random) % 8u));
-        const int head = hull_head_is_valid(hull);
+        const uint64_t sum = hull->sum;
+        const tribo_shape shape = hull_shape(hull);
+        damage(&random, bytes + i);
+        assert_int_equal(tribo_hull_check(hull, size), TRIBO_ERROR_DATA);
         if (i < offsetof(hull_block, center)) {
-            const tribo_shape shape = hull_shape(hull);
-            assert_false(head);
+            assert_false(hull_head_is_valid(hull));
             assert_int_equal(tribo_shape_check(&shape), TRIBO_ERROR_DATA);
+            bytes[i] = before;
+            continue;
         }
-        if (hull_check(hull, size)) {
-            const tribo_shape shape = hull_shape(hull);
+        hull->sum = hull_sum(hull);
+        if (tribo_hull_check(hull, size) == TRIBO_OK) {
             double d[3];
             problem_random_direction(&random, 3, d);
             face_of(&shape, d[0], d[1], d[2]);
@@ -1433,13 +1467,16 @@ static void test_broken_hull_blocks(void **state)
             refused++;
         }
         bytes[i] = before;
+        hull->sum = sum;
     }
-    assert_true(refused > offsetof(hull_block, center));
+    assert_true(refused > size / 20);
     uint32_t *loops = (uint32_t *)(void *)(bytes + hull->loops);
     loops[7] = hull->vertex_count;
-    assert_false(hull_check(hull, size));
+    hull->sum = hull_sum(hull);
+    assert_int_equal(tribo_hull_check(hull, size), TRIBO_ERROR_DATA);
     loops[7] = 0;
-    assert_true(hull_check(hull, size));
+    hull->sum = hull_sum(hull);
+    assert_int_equal(tribo_hull_check(hull, size), TRIBO_OK);
     free(hull);
 }
 
@@ -1557,7 +1594,7 @@ static mesh_block *build_mesh(size_t vertex_count, const double *vertices, size_
     assert_non_null(mesh);
     assert_int_equal(tribo_mesh_build(vertex_count, vertices, count, triangles, mesh, needed, NULL),
                      TRIBO_OK);
-    assert_true(mesh_check(mesh, needed));
+    assert_int_equal(tribo_mesh_check(mesh, needed), TRIBO_OK);
     return mesh;
 }
 
@@ -1742,6 +1779,18 @@ static void test_mesh_statuses(void **state)
     assert_int_equal(small[7], 0xa5);
 }
 
+/* Changes of a word, with the sum put right. */
+static void assert_refused(mesh_block *mesh, size_t size, uint32_t *word, uint32_t value)
+{
+    const uint32_t before = *word;
+    const uint64_t sum = mesh->sum;
+    *word = value;
+    mesh->sum = mesh_sum(mesh);
+    assert_int_equal(tribo_mesh_check(mesh, size), TRIBO_ERROR_DATA);
+    *word = before;
+    mesh->sum = sum;
+}
+
 static void test_broken_mesh_blocks(void **state)
 {
     (void)state;
@@ -1753,12 +1802,21 @@ static void test_broken_mesh_blocks(void **state)
     const size_t size = (size_t)mesh->bytes;
     unsigned char *bytes = (unsigned char *)mesh;
     const tribo_shape shape = {.type = TRIBO_SHAPE_MESH, .data = mesh};
+    assert_int_equal(tribo_mesh_check(NULL, size), TRIBO_ERROR_NULL);
+    assert_int_equal(tribo_mesh_check(mesh, size - 1), TRIBO_ERROR_DATA);
+    assert_int_equal(tribo_mesh_check(bytes + 4, size - 8), TRIBO_ERROR_DATA);
     for (size_t i = 0; i < size; i++) {
         const unsigned char before = bytes[i];
-        bytes[i] = (unsigned char)(before ^ (1u << problem_random_bits(&random) % 8u));
-        if (i < sizeof *mesh) {
+        const uint64_t sum = mesh->sum;
+        damage(&random, bytes + i);
+        assert_int_equal(tribo_mesh_check(mesh, size), TRIBO_ERROR_DATA);
+        if (i < offsetof(mesh_block, sum)) {
             assert_int_equal(tribo_shape_check(&shape), TRIBO_ERROR_DATA);
-        } else if (mesh_check(mesh, size)) {
+            bytes[i] = before;
+            continue;
+        }
+        mesh->sum = mesh_sum(mesh);
+        if (tribo_mesh_check(mesh, size) == TRIBO_OK) {
             mesh_cursor cursor;
             mesh_triangle triangle;
             mesh_begin(mesh, low, high, &cursor);
@@ -1767,16 +1825,41 @@ static void test_broken_mesh_blocks(void **state)
             }
         }
         bytes[i] = before;
+        mesh->sum = sum;
     }
     mesh_node *nodes = (mesh_node *)(void *)(bytes + mesh->nodes);
+    uint32_t *order = (uint32_t *)(void *)(bytes + mesh->order);
+    mesh_face *faces = (mesh_face *)(void *)(bytes + mesh->faces);
     for (uint32_t i = 0; i < mesh->node_count; i++) {
-        const uint32_t before = nodes[i].skip;
-        nodes[i].skip = i; /* a walk without end */
-        assert_false(mesh_check(mesh, size));
-        nodes[i].skip = before;
+        assert_refused(mesh, size, &nodes[i].skip, i); /* a walk without end */
+        assert_refused(mesh, size, &nodes[i].greatest, nodes[i].greatest + 1);
     }
-    assert_true(mesh_check(mesh, size));
+    for (uint32_t i = 1; i < mesh->face_count; i++) {
+        assert_refused(mesh, size, &order[i], order[i - 1]); /* one slot twice, one never */
+        assert_refused(mesh, size, &faces[i].index, faces[i - 1].index);
+        assert_refused(mesh, size, &faces[i].vertices[1], faces[i].vertices[0]);
+    }
+    assert_int_equal(tribo_mesh_check(mesh, size), TRIBO_OK);
     free(mesh);
+}
+
+/* Where all lie in one plane far from the origin, and near to each other. */
+static void test_meshes_of_extreme_places(void **state)
+{
+    (void)state;
+    const double far[4] = {0x1p1020, 1e300, 1e-300, 0x1p-1000};
+    const uint32_t triangles[6] = {0, 1, 2, 2, 1, 3};
+    for (int i = 0; i < 4; i++) {
+        for (int k = 0; k < 4; k++) {
+            const double side = far[k];
+            const double vertices[12] = {far[i], 0.0, 0.0,  far[i], side, 0.0,
+                                         far[i], 0.0, side, far[i], side, side};
+            uint64_t block[128];
+            assert_int_equal(tribo_mesh_build(4, vertices, 2, triangles, block, sizeof block, NULL),
+                             TRIBO_OK);
+            assert_int_equal(tribo_mesh_check(block, sizeof block), TRIBO_OK);
+        }
+    }
 }
 
 #define TEST(name) cmocka_unit_test(name)
@@ -1818,6 +1901,7 @@ int main(void)
         TEST(test_hull_statuses),
         TEST(test_hulls_of_extreme_sizes),
         TEST(test_blocks_mean_the_same_elsewhere),
+        TEST(test_block_statuses),
         TEST(test_broken_hull_blocks),
         TEST(test_hulls_of_bad_points),
         TEST(test_hulls_print_nothing),
@@ -1827,6 +1911,7 @@ int main(void)
         TEST(test_mesh_leaves_degenerate_triangles_out),
         TEST(test_mesh_statuses),
         TEST(test_broken_mesh_blocks),
+        TEST(test_meshes_of_extreme_places),
     };
     return cmocka_run_group_tests_name("shape", tests, NULL, NULL);
 }
