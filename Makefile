@@ -196,8 +196,8 @@ $(APP_OBJECTS): $(BUILD)/obj/%.o: %.c $(BUILD)/flags
 link = mkdir -p $(@D) && echo "  LD      $@" && \
        $(CC) $(CFLAGS) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^)
 
-$(BUILD)/tribo: $(CLI_OBJECTS) $(STATIC)
-	$(link) -lcsv -lm
+$(BUILD)/tribo: $(CLI_OBJECTS) $(FULL_STATIC) $(STATIC)
+	$(link) -lcsv $(FULL_LIBS) -lm
 
 $(TESTS): $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(SUPPORT_OBJECTS) $(FULL_STATIC) $(STATIC)
 	$(link) -lcmocka $(FULL_LIBS) -lm
@@ -218,7 +218,8 @@ $(ENGINES): $(BUILD)/fuzz/%: $(BUILD)/obj/fuzz/%.o $(FUZZ_OBJECTS) $(FULL_STATIC
 	$(link) $(LIB_FUZZING_ENGINE) $(FULL_LIBS) $(ROOM_LIBS) -lm
 
 # The room of the program's readers is linked with them.
-READERS := $(patsubst %.c,$(BUILD)/obj/%.o,src/cli/cli.c src/cli/problem.c src/cli/table.c)
+READERS := $(patsubst %.c,$(BUILD)/obj/%.o,src/cli/cli.c src/cli/collide.c src/cli/problem.c \
+    src/cli/table.c)
 TABLE := $(BUILD)/fuzz/table $(BUILD)/fuzz/table-random $(BUILD)/fuzz/table-replay
 $(TABLE): $(READERS)
 $(TABLE): ROOM_LIBS := -lcsv

@@ -823,6 +823,12 @@ static int wide_polytope(search *s, polytope *x)
     return farther(s, n, x->p[0], x->p[3]) > 16.0 * s->rounding && tetrahedron(s, x);
 }
 
+/* Whether the surroundings of the least width seen are known. */
+static int is_smooth(const search *s)
+{
+    return s->lowest.width <= s->width + s->rounding;
+}
+
 /* Support points of three directions around the best one, so near that the facet between them
  * lies as deep as it: without them a smooth place would have to be halved down to their size. */
 static void ring(search *s, double p[3][3])
@@ -830,7 +836,7 @@ static void ring(search *s, double p[3][3])
     static const double turn[3][2] = {{1.0, 0.0}, {-0.5, 0.75}, {-0.5, -0.75}};
     double f[9];
     basis_rows(s->normal[0], s->normal[1], s->normal[2], f);
-    const double delta = sqrt(0.006 * s->width / s->reach);
+    const double delta = is_smooth(s) ? sqrt(0.006 * s->width / s->reach) : 1e-7;
     for (int i = 0; i < 3; i++) {
         double n[3];
         const double x = delta * turn[i][0];
@@ -1210,7 +1216,7 @@ static int explains(const search *s, const double n[3], double width)
  * lower there. */
 static int is_near(const search *s, const facet *f)
 {
-    const int known = s->lowest.width <= s->width + s->rounding && dot(f->n, s->lowest.n) > SAME_WAY;
+    const int known = is_smooth(s) && dot(f->n, s->lowest.n) > SAME_WAY;
     return !s->flat && f->d >= (known ? 0.995 : 0.9999) * s->width;
 }
 
@@ -1248,7 +1254,7 @@ static int survey(search *s)
             return near > 0 ? SURVEY_NEAR : SURVEY_FAILED;
         }
         facet *f = &x.f[at];
-        if (s->width - f->d <= s->rounding) {
+        if (s->width - f->d <= greater(s->rounding, 1e-10 * s->width)) {
             return near > 0 ? SURVEY_NEAR : SURVEY_EXACT;
         }
         const double width = support(s, f->n, p);

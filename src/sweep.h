@@ -18,7 +18,7 @@ sweep *sweep_prepare(const system_problem *problem, uint32_t isa, void *memory);
  * that r gives (unused in the assembled form). Returns the greatest change |W_cc dr| / V of a
  * contact in the last sweep, V = |q_c| + |W_cc| |r_c| summed entrywise: a cheap guess of how far
  * the solution is. */
-double sweep_run(sweep *s, uint32_t sweeps, double *r, double *v,
-                 tribo_parallel_function parallel, void *user, uint32_t tasks);
+double sweep_run(sweep *s, uint32_t sweeps, double *r, double *v, tribo_parallel_function parallel,
+                 void *user, uint32_t tasks);
 
 #endif

@@ -16,6 +16,7 @@ typedef struct system_problem {
     const double *turns;           /* T_A and T_B: 18 per contact */
     const double *inverse_mass;    /* 1 per body */
     const double *inverse_inertia; /* 6 per body, world axes */
+    const double *target;          /* 3 per contact, taken off u_c */
 
     /* Assembled form: W by 3x3 blocks, 9 numbers each, rows sorted, the diagonal always there. Null
      * row_starts: dense, 3 count numbers a row. */

@@ -31,13 +31,13 @@ extern "C" {
 
 /** One contact between two bodies of a system. 136 bytes. */
 typedef struct tribo_system_contact {
-    uint32_t a;           /**< index of body A, or TRIBO_WORLD */
-    uint32_t b;           /**< index of body B, or TRIBO_WORLD; not that of A */
-    uint32_t dimension;   /**< 3; or 1: frictionless, one row whatever the pair's friction is */
-    uint32_t reserved;    /**< 0 */
+    uint32_t a;            /**< index of body A, or TRIBO_WORLD */
+    uint32_t b;            /**< index of body B, or TRIBO_WORLD; not that of A */
+    uint32_t dimension;    /**< 3; or 1: frictionless, one row whatever the pair's friction is */
+    uint32_t reserved;     /**< 0 */
     tribo_contact contact; /**< normal and arms */
-    tribo_material pair;  /**< mu_s, mu_d, e */
-    double target[3];     /**< m/s, in contact coordinates: u - target takes the place of u in the
+    tribo_material pair;   /**< mu_s, mu_d, e */
+    double target[3];      /**< m/s, in contact coordinates: u - target takes the place of u in the
                                laws of contact. Normal: -g/dt lets a gap g close and no more;
                                tangential: the speed of a belt */
 } tribo_system_contact;
@@ -136,24 +136,24 @@ typedef double (*tribo_clock_function)(void *user);
 
 /** Options. All zeros but struct_size is the default. */
 typedef struct tribo_system_options {
-    uint32_t struct_size;     /**< sizeof(tribo_system_options) */
-    uint32_t solver;          /**< TRIBO_SOLVER_... */
-    uint32_t measure;         /**< TRIBO_MEASURE_... */
-    uint32_t isa;             /**< TRIBO_ISA_... of the sweeps; no bit depends on it */
-    uint32_t warm_start;      /**< 1: `impulses` holds a start; 0: start from zero */
-    uint32_t tasks;           /**< most tasks to hand to `parallel` at once; 0 counts as 1. No bit
+    uint32_t struct_size;    /**< sizeof(tribo_system_options) */
+    uint32_t solver;         /**< TRIBO_SOLVER_... */
+    uint32_t measure;        /**< TRIBO_MEASURE_... */
+    uint32_t isa;            /**< TRIBO_ISA_... of the sweeps; no bit depends on it */
+    uint32_t warm_start;     /**< 1: `impulses` holds a start; 0: start from zero */
+    uint32_t tasks;          /**< most tasks to hand to `parallel` at once; 0 counts as 1. No bit
                                    depends on it */
-    uint64_t max_iterations;  /**< of sweeps, and of Newton steps; 0: 1 000 000 */
-    double tolerance;         /**< 0: 1e-10; else > 0 */
-    double max_seconds;       /**< 0: no limit. Looked at between sweeps and steps */
-    uint32_t dense_limit;     /**< most unknowns of a dense matrix; 0: 192. The workspace grows with
+    uint64_t max_iterations; /**< of sweeps, and of Newton steps; 0: 1 000 000 */
+    double tolerance;        /**< 0: 1e-10; else > 0 */
+    double max_seconds;      /**< 0: no limit. Looked at between sweeps and steps */
+    uint32_t dense_limit;    /**< most unknowns of a dense matrix; 0: 192. The workspace grows with
                                    its square */
-    uint32_t reserved;        /**< 0 */
-    const tribo_linear *linear;         /**< may be null */
-    tribo_progress_function progress;   /**< may be null */
-    tribo_parallel_function parallel;   /**< may be null: all in the caller's thread */
-    tribo_clock_function clock;         /**< may be null: processor time of the C library */
-    void *user;                         /**< handed to progress, parallel and clock */
+    uint32_t reserved;       /**< 0 */
+    const tribo_linear *linear;       /**< may be null */
+    tribo_progress_function progress; /**< may be null */
+    tribo_parallel_function parallel; /**< may be null: all in the caller's thread */
+    tribo_clock_function clock;       /**< may be null: processor time of the C library */
+    void *user;                       /**< handed to progress, parallel and clock */
 } tribo_system_options;
 
 /** Bytes of workspace for tribo_system_solve.
@@ -213,10 +213,12 @@ TRIBO_API tribo_status tribo_system_assembled_workspace_size(size_t count,
  *  @return as tribo_system_solve; TRIBO_ERROR_INDEX for a bad row_starts or columns;
  *          TRIBO_ERROR_FRICTION; TRIBO_ERROR_CONTACT_MATRIX (a diagonal block that is not positive
  *          semidefinite), TRIBO_ERROR_IMMOVABLE (W_nn = 0 in a diagonal block). */
-TRIBO_API tribo_status tribo_system_solve_assembled(
-    size_t count, const uint32_t *row_starts, const uint32_t *columns, const double *blocks,
-    const double *q, const double *mu, const tribo_system_options *options, void *workspace,
-    size_t size, double *impulses, double *velocities, tribo_system_info *info);
+TRIBO_API tribo_status tribo_system_solve_assembled(size_t count, const uint32_t *row_starts,
+                                                    const uint32_t *columns, const double *blocks,
+                                                    const double *q, const double *mu,
+                                                    const tribo_system_options *options,
+                                                    void *workspace, size_t size, double *impulses,
+                                                    double *velocities, tribo_system_info *info);
 
 /** Give the velocities of tribo_system_solve to the bodies.
  *  @return TRIBO_ERROR_NULL, TRIBO_ERROR_NOT_FINITE. */

@@ -60,8 +60,11 @@ typedef struct scanner {
 
 static void advance(scanner *s)
 {
+    errno = 0;
     s->byte = getc(s->stream);
     s->column++;
+    if (s->byte == EOF && ferror(s->stream) && s->exit_status == 0)
+        s->exit_status = cli_error_at(s->pair.file, s->pair.line, s->column, "%s", strerror(errno));
 }
 
 static int at_end(const scanner *s)
@@ -245,29 +248,25 @@ static void read_line(scanner *s, collide_function take, void *user)
     next_word(s);
     if (s->length > 0)
         complain_of_word(s, "stands after the two shapes and their poses", "");
-    if (s->exit_status == 0 && !ferror(s->stream))
+    if (s->exit_status == 0)
         s->exit_status = take(user, &s->pair);
 }
 
 static void read_lines(scanner *s, collide_function take, void *user)
 {
     do {
+        s->pair.line++;
         s->column = 0;
         advance(s);
-        s->pair.line++;
-        errno = 0;
         read_line(s, take, user);
     } while (s->exit_status == 0 && s->byte != EOF);
-    if (s->exit_status == 0 && ferror(s->stream))
-        s->exit_status = cli_error_at(s->pair.file, s->pair.line, s->column, "%s", strerror(errno));
 }
 
 int collide_read(const char *file, collide_function take, void *user)
 {
-    static scanner s;
     const int standard = strcmp(file, "-") == 0;
+    scanner s = {.exit_status = 0};
 
-    memset(&s, 0, sizeof s);
     s.pair.file = standard ? "<stdin>" : file;
     s.stream = standard ? stdin : fopen(file, "rb");
     if (s.stream == NULL)
