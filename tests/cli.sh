@@ -224,7 +224,7 @@ help_of() # ARGUMENT...: shows usage on standard output and names what follows t
     expect 0 '' "$@" && head -n 1 "$work/out" | grep -q '^usage: tribo'
 }
 check "tribo --help" help_of --help
-for command in impact toss demo; do
+for command in impact toss collide demo; do
     check "tribo $command --help" help_of $command --help
 done
 options_in_help() # each option that a command takes stands in its help
@@ -233,6 +233,10 @@ options_in_help() # each option that a command takes stands in its help
     "$tribo" demo --help | grep -q -- '--out DIR' || return 1
     for option in mu mu-d restitution law; do
         "$tribo" toss --help | grep -q -- "--$option [XN]" || { echo "--$option"; return 1; }
+    done
+    "$tribo" collide --help | grep -q -- '--margin M' || return 1
+    for shape in sphere box capsule cylinder cone ellipsoid hull halfspace; do
+        "$tribo" collide --help | grep -qw -- "$shape" || { echo "$shape"; return 1; }
     done
     for law in $laws; do
         "$tribo" impact --help | grep -qw -- "$law" || { echo "$law"; return 1; }
@@ -341,6 +345,205 @@ check "toss: not finite" malformed_toss '4s/,[^,]*$/,inf/' \
     ":4:$(($(sed -n 4p "$data/toss.csv" | sed 's/[^,]*$//' | wc -c))): an input is NaN or infinite"
 check "toss: no unit quaternion" malformed_toss '2s/1,0,1,/1,0,2,/' \
     ':2:5: the orientation quaternion is not of unit length'
+
+# ---- collide ------------------------------------------------------------------------------------
+
+here="0 0 0 1 0 0 0"
+floor="halfspace 0 0 1 0 $here"
+cube="hull 8 -1 -1 -1  1 -1 -1  -1 1 -1  1 1 -1  -1 -1 1  1 -1 1  -1 1 1  1 1 1"
+
+# Pairs that are binary fractions all through, so that the answer is one text. Corners of a box
+# are in order around the face, from the one with the least coordinates.
+collide_exactly()
+{
+    cat >"$work/pairs" <<END
+sphere 1 $here  sphere 1 0 0 1.5 1 0 0 0
+sphere 1 0 0 1.5 1 0 0 0  sphere 1 $here
+sphere 1 1048576 0 1.5 1 0 0 0  sphere 1 1048576 0 0 1 0 0 0
+sphere 0.5 2 0 0 1 0 0 0  box 1 1 1 0.75 0 0 1 0 0 0
+
+capsule 0.5 1 0 0 1.25 1 0 0 0  $floor
+capsule 0.5 1 0 0 1.25 0 1 0 0  $floor
+ellipsoid 1 1 2 0 0 1.75 1 0 0 0  $floor
+$floor  sphere 1 3 4 0.5 1 0 0 0
+halfspace 0 1 0 2 $here  sphere 1 0 2.5 0 1 0 0 0
+box 1 1 1 0 0 1.75 1 0 0 0  box 2 2 1 $here
+sphere 1 0 0 1.5 1 0 0 0  $floor
+hull 4 0 0 0  1 0 0  0 1 0  0 0 1 0 0 -0.25 1 0 0 0  $floor
+END
+    cat >"$work/want" <<END
+TRIBO_OK 1 0 0 -1 0 0 0.75 -0.5
+TRIBO_OK 1 0 0 1 0 0 0.75 -0.5
+TRIBO_OK 1 0 0 1 1048576 0 0.75 -0.5
+TRIBO_OK 1 1 0 0 1.625 0 0 -0.25
+TRIBO_OK 1 0 0 1 0 0 -0.125 -0.25
+TRIBO_OK 1 0 0 1 0 0 -0.125 -0.25
+TRIBO_OK 1 0 0 1 0 0 -0.125 -0.25
+TRIBO_OK 1 0 0 -1 3 4 -0.25 -0.5
+TRIBO_OK 1 0 -1 0 0 1.75 0 -0.5
+TRIBO_OK 4 0 0 1 -1 -1 0.875 -0.25 1 -1 0.875 -0.25 1 1 0.875 -0.25 -1 1 0.875 -0.25
+TRIBO_OK 0 0 0 0
+TRIBO_OK 3 0 0 1 0 0 -0.125 -0.25 0 1 -0.125 -0.25 1 0 -0.125 -0.25
+END
+    expect 0 '' collide "$work/pairs" && diff "$work/want" "$work/out"
+}
+check "collide: known manifolds, to the last digit" collide_exactly
+
+# What has a rounded length in it, or no closed form. The points of a manifold are sorted by x
+# and y, since which comes first is no promise.
+collide_nearly()
+{
+    local h=0.35355339059327373 # 0.5 sqrt(1/2)
+    cat >"$work/pairs" <<END
+halfspace 0 0.6 0.8 1 0 0 0.25 1 0 0 0  sphere 0.5 0 0 2 0 0 1 0
+cylinder 0.5 1 0.25 0 1.75 1 0 0 0  box 1 2 1 $here
+$cube 1.5 0 0.5 1 0 0 0  $cube $here
+cone 1 1 0 0 -1.75 1 0 0 0  sphere 1 0 0 0.125 1 0 0 0
+ellipsoid 1 1 2 0 0 2.75 1 0 0 0  box 3 3 1 0.5 0 0 1 0 0 0
+END
+    cat >"$work/want" <<END
+TRIBO_OK 1 0 -0.6 -0.8 0 -0.27 1.64 -0.1
+TRIBO_OK 4 0 0 1 $(for x in -$h $h; do for y in -$h $h; do
+        awk -v x=$x -v y=$y 'BEGIN { printf "%.17g %s 0.875 -0.25 ", 0.25 + x, y }'; done; done)
+TRIBO_OK 4 1 0 0 0.75 -1 -0.5 -0.5 0.75 -1 1 -0.5 0.75 1 -0.5 -0.5 0.75 1 1 -0.5
+TRIBO_OK 1 0 0 -1 0 0 -0.8125 -0.125
+TRIBO_OK 1 0 0 1 0 0 0.875 -0.25
+END
+    expect 0 '' collide "$work/pairs" || return 1
+    sort_points() { awk '{
+        printf "%s %s %s %s %s", $1, $2, $3, $4, $5
+        for (k = 0; k < $2; k++) place[k] = k
+        for (i = 1; i < $2; i++) for (j = i; j > 0; j--) {
+            a = 6 + 4 * place[j - 1]; b = 6 + 4 * place[j]
+            if ($a < $b - 1e-9 || ($a < $b + 1e-9 && ($(a + 1) < $(b + 1) - 1e-9 ||
+                ($(a + 1) < $(b + 1) + 1e-9 && $(a + 2) <= $(b + 2))))) break
+            k = place[j]; place[j] = place[j - 1]; place[j - 1] = k
+        }
+        for (k = 0; k < $2; k++) for (c = 6; c < 10; c++) printf " %s", $(4 * place[k] + c)
+        print ""
+    }'; }
+    sort_points <"$work/out" | tr ' ' , >"$work/got"
+    sort_points <"$work/want" | tr ' ' , >"$work/wanted"
+    same_table "$work/wanted" "$work/got"
+}
+check "collide: known manifolds of the general method" collide_nearly
+
+collide_margin()
+{
+    echo "sphere 1 0 0 1.5 1 0 0 0 $floor" >"$work/pairs"
+    expect 0 '' collide --margin 0.5 "$work/pairs" &&
+        grep -qx 'TRIBO_OK 1 0 0 1 0 0 0.25 0.5' "$work/out" &&
+        expect 0 '' collide "$work/pairs" --margin 0.49 &&
+        grep -qx 'TRIBO_OK 0 0 0 0' "$work/out"
+}
+check "collide --margin" collide_margin
+collide_forms() # TEXT: a pair in whatever form gives the one known answer
+{
+    printf "$1" | "$tribo" collide - >"$work/out" 2>"$work/err" || { cat "$work/err"; return 1; }
+    [ "$(cat "$work/out")" = 'TRIBO_OK 1 0 0 -1 0 0 0.75 -0.5' ] || { cat "$work/out"; return 1; }
+}
+one="sphere 1 $here sphere 1 0 0 1.5 1 0 0 0"
+check "collide from standard input" collide_forms "$one\n"
+check "collide: no newline at the end" collide_forms "$one"
+check "collide: CR LF, tabs and lines without a word" collide_forms \
+    "\n \t\n$(echo "$one" | tr ' ' '\t')\r\n\r\n"
+check "collide: hexadecimal numbers" collide_forms "sphere 0x1p0 ${one#sphere 1}\n"
+collide_nothing()
+{
+    expect 0 '' collide /dev/null && [ ! -s "$work/out" ]
+}
+check "collide: an empty file has no pairs" collide_nothing
+
+# What the library refuses has its name in the table, and all other pairs are done.
+collide_refused()
+{
+    cat >"$work/pairs" <<END
+sphere 0 $here $floor
+sphere 1 $here box 1 -1 1 $here
+sphere 1 $here sphere nan $here
+sphere 1 0 0 inf 1 0 0 0 $floor
+sphere 1 $here sphere 1 0 0 0 2 0 0 0
+$floor halfspace 0 0 1 1 $here
+sphere 1 $here halfspace 0 0 2 1 $here
+hull 4 0 0 0  1 0 0  0 1 0  1 1 0 $here $floor
+sphere 1 $here hull 3 0 0 0  1 0 0  0 1 0 $here
+hull 0 $here $floor
+hull 4 0 0 0  1 0 0  0 1 0  0 0 nan $here $floor
+box 1e200 1 1 $here sphere 1 1e300 0 0 1 0 0 0
+$one
+END
+    "$tribo" collide "$work/pairs" >"$work/out" 2>"$work/err"
+    [ $? = 1 ] || { echo "refused pairs have to make the exit status 1"; return 1; }
+    cat >"$work/want" <<END
+tribo: $work/pairs:1:1: TRIBO_ERROR_SHAPE
+tribo: $work/pairs:2:24: TRIBO_ERROR_SHAPE
+tribo: $work/pairs:3:24: TRIBO_ERROR_NOT_FINITE
+tribo: $work/pairs:4:10: TRIBO_ERROR_NOT_FINITE
+tribo: $work/pairs:5:33: TRIBO_ERROR_ORIENTATION
+tribo: $work/pairs:6:1: TRIBO_ERROR_PAIR
+tribo: $work/pairs:7:24: TRIBO_ERROR_NORMAL
+tribo: $work/pairs:8:1: TRIBO_ERROR_DEGENERATE
+tribo: $work/pairs:9:24: TRIBO_ERROR_RANGE
+tribo: $work/pairs:10:1: TRIBO_ERROR_RANGE
+tribo: $work/pairs:11:1: TRIBO_ERROR_NOT_FINITE
+tribo: $work/pairs: 11 of 13 pairs have no result
+END
+    sed 's/\(TRIBO_[A-Z_]*\): .*/\1/' "$work/err" | diff "$work/want" - || return 1
+    { sed -n 's/.*\(TRIBO_[A-Z_]*\)$/\1 0 0 0 0/p' "$work/want"
+      echo 'TRIBO_OK 0 0 0 0'; echo 'TRIBO_OK 1 0 0 -1 0 0 0.75 -0.5'; } | diff - "$work/out"
+}
+check "collide: refused pairs by name" collide_refused
+
+bad_pair() # TEXT MESSAGE LINES: the run ends with status 1 after so many lines
+{
+    printf "$1" >"$work/pairs"
+    expect 1 "tribo: $work/pairs:$2" collide "$work/pairs" || return 1
+    [ "$(wc -l <"$work/out")" = "$3" ] || { cat "$work/out"; return 1; }
+}
+check "collide: unknown shape" bad_pair "$one\nball 1 $here\n" \
+    '2:1: "ball" is no shape; see tribo collide --help' 1
+check "collide: half a shape" bad_pair 'box 1 2\n' '1:8: the line ends before hz of the box' 0
+check "collide: half a pose" bad_pair 'sphere 1 0 0 0 1 0 0\nsphere' \
+    '1:21: the line ends before qz of a pose' 0
+check "collide: one shape only" bad_pair "\n$floor\n" '2:32: the line ends before a shape' 0
+check "collide: too much" bad_pair "$one  0\n" \
+    '1:50: "0" stands after the two shapes and their poses' 0
+check "collide: not a number" bad_pair "$one\n\nsphere one\n" '3:8: "one" is not a number' 1
+check "collide: number with a tail" bad_pair "sphere 1 0 0 0 1 0 0 0,\n" \
+    '1:22: "0," is not a number' 0
+check "collide: number beyond double" bad_pair 'sphere 1e999\n' \
+    '1:8: "1e999" is beyond the range of a double' 0
+for count in -1 2.5 nan 1e30 16777217; do
+    check "collide: hull of $count points" bad_pair "hull $count 0 0 0 $here $floor" \
+        "1:6: \"$count\" is not a whole number from 0 to 16777216" 0
+done
+check "collide: a hull without its points" bad_pair 'hull 16777216 0 0 0' \
+    '1:20: the line ends before the last coordinate of the hull' 0
+check "collide: a zero byte in a shape" bad_pair 'sphere\000 1' \
+    '1:1: "sphere?" is no shape; see tribo collide --help' 0
+check "collide: a zero byte in a number" bad_pair 'sphere 1\0002' '1:8: "1?2" is not a number' 0
+collide_long_word()
+{
+    head -c 300000 /dev/zero | tr '\0' 1 >"$work/pairs"
+    expect 1 "tribo: $work/pairs:1:1: \"1111111111111111111111111111111111111111...\" is too long" \
+        collide "$work/pairs"
+}
+check "collide: a word of 300 000 digits" collide_long_word
+collide_garbage() # the program file itself
+{
+    "$tribo" collide "$tribo" >"$work/out" 2>"$work/err"
+    [ $? = 1 ] && grep -q "^tribo: $tribo:1:1: " "$work/err" && [ "$(wc -l <"$work/err")" = 1 ]
+}
+check "collide: binary garbage" collide_garbage
+check "collide: a file that is not there" expect 1 \
+    "tribo: $work/none: No such file or directory" collide "$work/none"
+check "collide: a folder" expect 1 "tribo: $work:1:1: Is a directory" collide "$work"
+check "collide: no file" expect 2 'tribo: collide: one FILE is needed; see tribo collide --help' \
+    collide --margin 1
+check "collide: a margin that is no number" expect 2 'tribo: --margin: "x" is not a finite number' \
+    collide --margin x "$work/pairs"
+check "collide: a negative margin" expect 2 'tribo: --margin: -1 is negative' \
+    collide --margin -1 "$work/pairs"
 
 # ---- demo ---------------------------------------------------------------------------------------
 
