@@ -88,11 +88,13 @@ HEADERS := $(wildcard include/tribo/*.h)
 # What libtribo adds to libtribo_core: shapes and their contacts.
 FULL_SOURCES := $(addprefix src/,broad.c clip.c closed.c collide.c convex.c hull.c mesh.c shape.c)
 FULL_LIBS := -lccd -lqhull_r
-LIB_SOURCES := $(filter-out src/batch_lanes.c $(FULL_SOURCES),$(wildcard src/*.c))
-LANES := $(if $(wildcard src/batch_lanes.c),baseline)
+# Compiled once per instruction set.
+LANES_SOURCES := $(wildcard src/*_lanes.c)
+LIB_SOURCES := $(filter-out $(LANES_SOURCES) $(FULL_SOURCES),$(wildcard src/*.c))
+LANES := baseline
 ifneq ($(filter __x86_64__,$(MACROS)),)
 ifeq ($(shell $(CC) -march=x86-64-v4 -E -x c /dev/null >/dev/null 2>&1 && echo yes),yes)
-LANES += $(if $(LANES),x86_64_v3 x86_64_v4)
+LANES += x86_64_v3 x86_64_v4
 LEVELS := -DTRIBO_HAVE_X86_64_LEVELS=1
 endif
 endif
@@ -102,7 +104,7 @@ LANES_FLAGS_x86_64_v4 := -march=x86-64-v4 -mprefer-vector-width=$(V4_WIDTH)
 
 LIB_OBJECTS := $(LIB_SOURCES:%.c=$(BUILD)/obj/%.o)
 FULL_OBJECTS := $(FULL_SOURCES:%.c=$(BUILD)/obj/%.o)
-LANES_OBJECTS := $(LANES:%=$(BUILD)/obj/src/batch_lanes.%.o)
+LANES_OBJECTS := $(foreach level,$(LANES),$(LANES_SOURCES:%.c=$(BUILD)/obj/%.$(level).o))
 # One set of objects serves both libraries: the static one can go into the shared objects of others
 # (language bindings do that).
 LIB_FLAGS = $(COMMON) -DTRIBO_BUILD $(LEVELS) -fPIC -fvisibility=hidden -fno-semantic-interposition
@@ -129,10 +131,14 @@ $(LIB_OBJECTS) $(FULL_OBJECTS): $(BUILD)/obj/%.o: %.c $(BUILD)/flags
 	@echo "  CC      $<"
 	$(CC) $(LIB_FLAGS) $(DEPEND) -c -o $@ $<
 
-$(LANES_OBJECTS): $(BUILD)/obj/src/batch_lanes.%.o: src/batch_lanes.c $(BUILD)/flags
-	@mkdir -p $(@D)
-	@echo "  CC      $< ($*)"
-	$(CC) $(LIB_FLAGS) $(LANES_OPTIMIZE) -DTRIBO_LANES=$* $(LANES_FLAGS_$*) $(DEPEND) -c -o $@ $<
+define lanes_rule
+$(LANES_SOURCES:%.c=$(BUILD)/obj/%.$(1).o): $(BUILD)/obj/%.$(1).o: %.c $(BUILD)/flags
+	@mkdir -p $$(@D)
+	@echo "  CC      $$< ($(1))"
+	$$(CC) $$(LIB_FLAGS) $$(LANES_OPTIMIZE) -DTRIBO_LANES=$(1) $$(LANES_FLAGS_$(1)) $$(DEPEND) \
+	    -c -o $$@ $$<
+endef
+$(foreach level,$(LANES),$(eval $(call lanes_rule,$(level))))
 
 $(STATIC): $(LIB_OBJECTS) $(LANES_OBJECTS)
 	@echo "  AR      $@"

@@ -20,14 +20,14 @@ sources=()
 # libtribo_core alone: what needs other libraries cannot be built for every target
 full=" $(sed -n 's/^FULL_SOURCES := .*src\/,\(.*\))/\1/p' Makefile) "
 for source in src/*.c; do
-    [ "$source" = src/batch_lanes.c ] || [[ $full == *" ${source#src/} "* ]] || sources+=("$source")
+    [[ $source == *_lanes.c || $full == *" ${source#src/} "* ]] || sources+=("$source")
 done
 echo 'int main(void) { return 0; }' >"$work/nothing.c"
 
 # build PROGRAM COMPILER...: lanes for every level of x86-64 where the compiler makes x86-64 code.
 build()
 {
-    local program=$1 level levels=(baseline) objects=() define=()
+    local program=$1 level source levels=(baseline) objects=() define=()
     shift
     if "$@" -dM -E -x c /dev/null | grep -q __x86_64__; then
         levels+=(x86_64_v3 x86_64_v4)
@@ -40,9 +40,12 @@ build()
         x86_64_v3) march=(-march=x86-64-v3) ;;
         x86_64_v4) march=(-march=x86-64-v4 -mprefer-vector-width=512) ;;
         esac
-        objects+=("$program.$level.o")
-        "$@" "${march[@]}" "${flags[@]}" "-DTRIBO_LANES=$level" -c src/batch_lanes.c \
-            -o "$program.$level.o" || return 1
+        for source in src/*_lanes.c; do
+            local object=$program.$(basename "$source" .c).$level.o
+            objects+=("$object")
+            "$@" "${march[@]}" "${flags[@]}" "-DTRIBO_LANES=$level" -c "$source" -o "$object" ||
+                return 1
+        done
     done
     "$@" "${flags[@]}" "${define[@]}" "${sources[@]}" tests/golden/bits.c "${objects[@]}" -lm \
         -o "$program"
