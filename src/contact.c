@@ -324,7 +324,7 @@ tribo_status tribo_contact_solve_general(const double w[9], const double b[3], d
     tribo_solve_info full = {0};
     double impulse[3];
     const double mode =
-        solve_by_bisection(&problem, mu_s, mu_d, impulse, &full.nu, &full.iterations);
+        solve_general_scaled(&problem, mu_s, mu_d, impulse, &full.nu, &full.iterations);
     if (status_of_mode(mode) != TRIBO_OK) {
         return status_of_mode(mode);
     }
@@ -533,9 +533,40 @@ static tribo_status check_cone(const double x[3], double mu, const double out[3]
     return mu >= 0.0 ? TRIBO_OK : TRIBO_ERROR_FRICTION;
 }
 
+/* The two sides of the cone, |p_t| and mu p_n, to full precision also where neither is a double:
+ * |p_t| = length 2^shift / unit, mu p_n = limit / unit, unit the product of the two powers of two
+ * whose biased exponents are given. */
+typedef struct cone_sides {
+    double x, y; /* p_t as scaled for its length */
+    double length, limit;
+    double shift;         /* 2^shift, held where the comparison is decided anyway */
+    uint64_t unit_normal; /* of p_n and mu */
+    uint64_t unit_mu;
+} cone_sides;
+
+static cone_sides measure_cone(const double p[3], double mu)
+{
+    cone_sides c;
+    const uint64_t planar = scale_exponent(greater(absolute(p[1]), absolute(p[2])));
+    const double s = power_of_two(planar);
+    c.unit_normal = scale_exponent(p[0]);
+    c.unit_mu = scale_exponent(mu);
+    c.x = s * p[1];
+    c.y = s * p[2];
+    c.length = sqrt(c.x * c.x + c.y * c.y);
+    c.limit = (power_of_two(c.unit_mu) * mu) * (power_of_two(c.unit_normal) * p[0]);
+    const uint64_t from = planar + 1023u; /* unit / s = 2^(to - from) */
+    const uint64_t to = c.unit_normal + c.unit_mu;
+    const uint64_t up = to > from ? (to - from < 900u ? to - from : 900u) : 0u;
+    const uint64_t down = from > to ? (from - to < 900u ? from - to : 900u) : 0u;
+    c.shift = power_of_two(1023u + up - down);
+    return c;
+}
+
 uint32_t tribo_cone_contains(const double p[3], double mu, double tolerance)
 {
-    return p[0] >= 0.0 && planar_length(p[1], p[2]) <= mu * p[0] * (1.0 + tolerance);
+    const cone_sides c = measure_cone(p, mu);
+    return p[0] >= 0.0 && c.length * c.shift <= c.limit * (1.0 + tolerance);
 }
 
 /* Numbers of any size brought near 2^900: sums and lengths of them are finite, and their products
@@ -546,7 +577,7 @@ static double scale_for_cone(const double x[3], double scaled[3])
 {
     const double s = power_of_two(scale_exponent(greatest_diagonal(x[0], x[1], x[2])));
     for (int i = 0; i < 3; i++) {
-        scaled[i] = s * x[i] * CONE_LIFT;
+        scaled[i] = s <= 1.0 ? x[i] * (s * CONE_LIFT) : s * x[i] * CONE_LIFT;
     }
     return s;
 }
@@ -613,17 +644,16 @@ tribo_status tribo_cone_clamp(const double p[3], double mu, double out[3])
 {
     const tribo_status status = check_cone(p, mu, out);
     if (status == TRIBO_OK) {
-        const double big = greater(absolute(p[1]), absolute(p[2]));
-        const double s = power_of_two(scale_exponent(big));
-        const double x = s * p[1];
-        const double y = s * p[2];
-        const double normal = p[0] > 0.0 ? p[0] : 0.0;
-        const double length = sqrt(x * x + y * y);
-        const double limit = mu * normal;
-        const int outside = length / s > limit;
-        out[0] = normal;
-        out[1] = outside ? x / length * limit : p[1];
-        out[2] = outside ? y / length * limit : p[2];
+        const double upright[3] = {p[0] > 0.0 ? p[0] : 0.0, p[1], p[2]};
+        const cone_sides c = measure_cone(upright, mu);
+        const int outside = c.length * c.shift > c.limit;
+        /* 1 / unit in two halves, so that nothing goes beyond double on the way */
+        const uint64_t e = 4092u - c.unit_normal - c.unit_mu;
+        const double first = power_of_two((e >> 1));
+        const double second = power_of_two(e - (e >> 1));
+        out[0] = upright[0];
+        out[1] = outside ? c.x / c.length * c.limit * first * second : upright[1];
+        out[2] = outside ? c.y / c.length * c.limit * first * second : upright[2];
     }
     return status;
 }

@@ -127,6 +127,9 @@ static double phase_length(const routh_problem *c, const routh_state *state, dou
     }
     if (c->restituting && c->law == TRIBO_LAW_ROUTH_STRONGE) {
         const double square = state->un * state->un + 2.0 * slope * gap;
+        if (gap == 0.0) { /* e^2 times the work of compression may be less than any double */
+            return 0.0;
+        }
         return square >= 0.0 ? 2.0 * gap / (state->un + sqrt(square)) : -1.0;
     }
     return slope > 0.0 ? gap / slope : -1.0;
@@ -450,6 +453,25 @@ static int run_slip(routh_problem *c, double r, int force_linear, routh_state *s
     return run_linearly(c, &slope, growth < 0.0 ? -r / growth : -1.0, state);
 }
 
+/* An approach that ends before slip has changed is one linear piece under every law; and its
+ * squares, of which Stronge's work is made, may be no doubles. Returns 0 where slip does change. */
+static int run_grazing(routh_problem *c, double r, routh_state *state)
+{
+    const double s[2] = {state->ut[0] / r, state->ut[1] / r};
+    routh_slope slope;
+    slip_slope(c, s, 0.0, &slope);
+    const double compression = -c->start / slope.un;
+    const double normal = (1.0 + c->e) * compression;
+    if (!(slope.un > 0.0 && normal * c->rate <= SERIES_ERROR * r)) {
+        return 0;
+    }
+    c->compression = compression;
+    state->pn = normal;
+    state->pt[0] = normal * slope.pt[0];
+    state->pt[1] = normal * slope.pt[1];
+    return 1;
+}
+
 double routh_scaled(const kernel_problem *problem, const tribo_material *pair, uint32_t law,
                     double p[3], tribo_impact_info *info)
 {
@@ -479,6 +501,8 @@ double routh_scaled(const kernel_problem *problem, const tribo_material *pair, u
         const int force_linear = info->iterations >= MAX_PIECES;
         if (r <= stopped) {
             ended = run_from_rest(&c, &state, &mode);
+        } else if (info->iterations == 0 && run_grazing(&c, r, &state)) {
+            ended = 1;
         } else if (c.mu_d == 0.0) {
             ended = run_without_friction(&c, r, &state);
         } else {

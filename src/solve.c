@@ -48,10 +48,66 @@ typedef struct slide {
     double scale; /* power of two that brings |c| into [1, 2); c is stored scaled */
     double size;  /* of what S was subtracted from: rounding of S is relative to it */
     double drive; /* of what c was subtracted from, scaled as c */
+    double trace, largest;
+    double unit;    /* power of two that brings the largest entry of S into [1, 2) */
+    double det;     /* of unit S */
+    double adj[2];  /* adj(unit S) c */
+    int singular;   /* to rounding; then det is 0, and so is adj if c lies in the range of S */
+    int consistent; /* c lies in the range of S, to rounding */
     int symmetric;
     spectrum spectrum; /* of a symmetric S, and c in its eigenbasis; rounding is cleared to 0 */
     double c_eigen[2];
 } slide;
+
+/* The product and its rounding error (Dekker). */
+static void multiply_exactly(double a, double b, double *product, double *error)
+{
+    const double split_a = 134217729.0 * a; /* 2^27 + 1 */
+    const double split_b = 134217729.0 * b;
+    const double high_a = split_a - (split_a - a);
+    const double high_b = split_b - (split_b - b);
+    const double low_a = a - high_a;
+    const double low_b = b - high_b;
+    *product = a * b;
+    *error = ((high_a * high_b - *product) + high_a * low_b + low_a * high_b) + low_a * low_b;
+}
+
+/* a d - b c to the last digits, whatever cancels. */
+static double determinant(double a, double b, double c, double d)
+{
+    double left;
+    double left_error;
+    double right;
+    double right_error;
+    multiply_exactly(a, d, &left, &left_error);
+    multiply_exactly(b, c, &right, &right_error);
+    return (left - right) + (left_error - right_error);
+}
+
+static void find_adjugate(slide *e)
+{
+    const double most = greater(greater(absolute(e->s[0]), absolute(e->s[1])),
+                                greater(absolute(e->s[2]), absolute(e->s[3])));
+    const double unit = power_of_two(scale_exponent(most));
+    const double s[4] = {unit * e->s[0], unit * e->s[1], unit * e->s[2], unit * e->s[3]};
+    const double nothing = SINGULAR_TOLERANCE * (unit * e->size) * (unit * most);
+    e->trace = e->s[0] + e->s[3];
+    e->largest = most;
+    e->unit = unit;
+    e->det = determinant(s[0], s[1], s[2], s[3]);
+    e->adj[0] = determinant(e->c[0], s[1], e->c[1], s[3]);
+    e->adj[1] = determinant(s[0], e->c[0], s[2], e->c[1]);
+    e->singular = !(absolute(e->det) > nothing);
+    const double most_adj = greater(absolute(e->adj[0]), absolute(e->adj[1]));
+    const double most_c = greater(absolute(e->c[0]), absolute(e->c[1]));
+    const double no_drive = SINGULAR_TOLERANCE * e->drive;
+    e->consistent = most > 0.0 ? most_adj <= no_drive * (unit * most) : most_c <= no_drive;
+    if (e->singular) {
+        e->det = 0.0;
+        e->adj[0] = e->consistent ? 0.0 : e->adj[0];
+        e->adj[1] = e->consistent ? 0.0 : e->adj[1];
+    }
+}
 
 /* In the eigenbasis a singular S is no trouble: its null space just has the eigenvalue 0. */
 static int solve_symmetric(const slide *e, double nu, double p[2])
@@ -68,33 +124,27 @@ static int solve_symmetric(const slide *e, double nu, double p[2])
     return 1;
 }
 
-/* Solve by elimination with the larger pivot; returns 0 where it is singular. */
+/* p = (c nu + adj(S) c) / (nu^2 + trace nu + det): as smooth in nu as it is accurate, which
+ * elimination in S + nu 1, where nu may be lost, is not. Numerator and denominator are divided by
+ * nu plus the largest entry of S. Returns 0 where S + nu 1 is singular. */
 static int solve_unsymmetric(const slide *e, double nu, double p[2])
 {
-    const double m[4] = {e->s[0] + nu, e->s[1], e->s[2], e->s[3] + nu};
-    const int swap = absolute(m[2]) > absolute(m[0]);
-    const double *top = swap ? m + 2 : m;
-    const double *low = swap ? m : m + 2;
-    const double c_top = swap ? e->c[1] : e->c[0];
-    const double c_low = swap ? e->c[0] : e->c[1];
-    if (top[0] == 0.0) {
-        return 0;
+    const double divisor = nu + e->largest;
+    if (nu == 0.0 && e->singular) {
+        if (e->consistent && divisor > 0.0) { /* the shortest solution is along S^T c */
+            const double s[4] = {e->unit * e->s[0], e->unit * e->s[1], e->unit * e->s[2],
+                                 e->unit * e->s[3]};
+            const double square = s[0] * s[0] + s[1] * s[1] + s[2] * s[2] + s[3] * s[3];
+            p[0] = (s[0] * e->c[0] + s[2] * e->c[1]) / square * e->unit;
+            p[1] = (s[1] * e->c[0] + s[3] * e->c[1]) / square * e->unit;
+        }
+        return e->consistent;
     }
-    const double factor = low[0] / top[0];
-    const double pivot = low[1] - factor * top[1];
-    const double rest = c_low - factor * c_top;
-    const double least = nu > 0.0 ? 0.0 : SINGULAR_TOLERANCE * e->size;
-    if (absolute(pivot) > least) {
-        p[1] = rest / pivot;
-        p[0] = (c_top - top[1] * p[1]) / top[0];
-    } else if (nu == 0.0 && absolute(rest) <= SINGULAR_TOLERANCE * e->drive) {
-        /* One equation is left: its shortest solution. */
-        const double share = c_top / (top[0] * top[0] + top[1] * top[1]);
-        p[0] = share * top[0];
-        p[1] = share * top[1];
-    } else {
-        return 0;
-    }
+    const double share = nu / divisor;
+    const double rest = 1.0 / (e->unit * divisor);
+    const double pivot = share * (nu + e->trace) + e->det * rest / e->unit;
+    p[0] = (e->c[0] * share + e->adj[0] * rest) / pivot;
+    p[1] = (e->c[1] * share + e->adj[1] * rest) / pivot;
     return p[0] - p[0] == 0.0 && p[1] - p[1] == 0.0;
 }
 
@@ -196,6 +246,43 @@ static double find_slip(const solve_general *g, const slide *e, double mu, doubl
     return 0.0;
 }
 
+/* As nu falls to 0 on a singular S, p_t grows without bound along one direction. Does friction
+ * suffice for it in the end? */
+static int null_direction_holds(const solve_general *g, const slide *e, double mu)
+{
+    double q[2] = {e->adj[0], e->adj[1]};
+    if (e->symmetric) {
+        const double null[2] = {e->spectrum.lam1 == 0.0 ? e->c_eigen[0] : 0.0,
+                                e->spectrum.lam2 == 0.0 ? e->c_eigen[1] : 0.0};
+        from_eigenbasis(&e->spectrum, null, q);
+    } else if (e->largest == 0.0) {
+        q[0] = e->c[0];
+        q[1] = e->c[1];
+    }
+    return mu * -(g->row[0] * q[0] + g->row[1] * q[1]) >= g->nn * planar_length(q[0], q[1]);
+}
+
+/* A nu at which friction does not suffice, left of one at which it does; negative: there is none,
+ * the contact jams. Where S is singular, a root below its rounding counts only if there is one
+ * however small nu is made. */
+static double lower_bound(const solve_general *g, const slide *e, double mu, double high,
+                          uint32_t *iterations)
+{
+    double p[2];
+    const double low = 8.0 * SINGULAR_TOLERANCE * e->size;
+    if (solve_shifted(e, 0.0, p)) {
+        return 0.0;
+    }
+    if (!friction_suffices(g, e, mu, low)) {
+        return low;
+    }
+    if (!null_direction_holds(g, e, mu)) {
+        return 0.0;
+    }
+    const double dip = find_slip(g, e, mu, low, high, iterations);
+    return dip > 0.0 ? dip : -1.0;
+}
+
 /* Beyond this nu, |p_t| <= |c| / (nu - |S|) is too short to leave the cone. */
 static double upper_bound(const solve_general *g, const slide *e, double mu)
 {
@@ -240,10 +327,8 @@ static int make_slide(const solve_general *g, slide *e)
                         (absolute(l0) + absolute(l1)) * absolute(g->bn));
     e->c[0] = scale * c[0];
     e->c[1] = scale * c[1];
+    find_adjugate(e);
     e->symmetric = g->row[0] == g->column[0] && g->row[1] == g->column[1] && g->d[1] == g->d[2];
-    if (e->symmetric) {
-        clear_rounding(e);
-    }
     /* Friction must not be able to gain energy by itself: the symmetric part is semidefinite. */
     const double off = 0.5 * (e->s[1] + e->s[2]);
     const double least = -SEMIDEFINITE_TOLERANCE * size;
@@ -290,55 +375,50 @@ static int is_certified(const solve_general *g, const double p[3], double nu)
     return error <= 1e-9 * scale;
 }
 
-double solve_by_bisection(const solve_general *problem, double mu_s, double mu_d, double p[3],
-                          double *nu, uint32_t *iterations)
+/* Any problem whose slide has been made. */
+static double solve_by_bisection(const solve_general *problem, slide *e, double mu_s, double mu_d,
+                                 double p[3], double *nu, uint32_t *iterations)
 {
-    slide e;
     double p_t[2] = {0.0, 0.0};
-    *nu = 0.0;
     p[0] = p[1] = p[2] = 0.0;
-    if (!make_slide(problem, &e)) {
-        return KERNEL_MATRIX;
-    }
+    *nu = 0.0;
     if (problem->bn >= 0.0) {
         return KERNEL_OPEN;
     }
+    if (e->symmetric) {
+        clear_rounding(e);
+    }
     if (mu_s == 0.0) {
-        write_impulse(problem, &e, 0.0, 0, p_t, p);
-        return absolute(e.c[0]) + absolute(e.c[1]) > SINGULAR_TOLERANCE * e.drive ? KERNEL_SLIP
-                                                                                  : KERNEL_STICK;
+        write_impulse(problem, e, 0.0, 0, p_t, p);
+        return absolute(e->c[0]) + absolute(e->c[1]) > SINGULAR_TOLERANCE * e->drive ? KERNEL_SLIP
+                                                                                     : KERNEL_STICK;
     }
     ++*iterations;
-    if (friction_suffices(problem, &e, mu_s, 0.0)) {
-        solve_shifted(&e, 0.0, p_t);
-        write_impulse(problem, &e, mu_s, 0, p_t, p);
+    if (friction_suffices(problem, e, mu_s, 0.0)) {
+        solve_shifted(e, 0.0, p_t);
+        write_impulse(problem, e, mu_s, 0, p_t, p);
         return is_certified(problem, p, 0.0) ? KERNEL_STICK : KERNEL_MATRIX;
     }
     if (mu_d == 0.0) {
-        write_impulse(problem, &e, 0.0, 0, p_t, p);
+        write_impulse(problem, e, 0.0, 0, p_t, p);
         return KERNEL_SLIP;
     }
-    const double high = upper_bound(problem, &e, mu_d);
-    if (!friction_suffices(problem, &e, mu_d, high)) {
+    const double high = upper_bound(problem, e, mu_d);
+    if (!friction_suffices(problem, e, mu_d, high)) {
         /* The root lies beyond the doubles, and so friction below them. */
-        write_impulse(problem, &e, 0.0, 0, p_t, p);
+        write_impulse(problem, e, 0.0, 0, p_t, p);
         *nu = high;
         return KERNEL_SLIP;
     }
-    /* Where S is singular, a root below its rounding is none: friction suffices however small nu
-     * is, but nothing can stick. */
-    double low = solve_shifted(&e, 0.0, p_t) ? 0.0 : 8.0 * SINGULAR_TOLERANCE * e.size;
-    if (low > 0.0 && friction_suffices(problem, &e, mu_d, low)) {
-        low = find_slip(problem, &e, mu_d, low, high, iterations);
-        if (low == 0.0) {
-            return KERNEL_JAM;
-        }
-    }
-    *nu = bisect(problem, &e, mu_d, low, high, iterations);
-    if (!solve_shifted(&e, *nu, p_t)) {
+    const double low = lower_bound(problem, e, mu_d, high, iterations);
+    if (low < 0.0) {
         return KERNEL_JAM;
     }
-    write_impulse(problem, &e, mu_d, 1, p_t, p);
+    *nu = bisect(problem, e, mu_d, low, high, iterations);
+    if (!solve_shifted(e, *nu, p_t)) {
+        return KERNEL_JAM;
+    }
+    write_impulse(problem, e, mu_d, 1, p_t, p);
     return is_certified(problem, p, *nu) ? KERNEL_SLIP : KERNEL_MATRIX;
 }
 
@@ -440,7 +520,11 @@ static double bisect_symmetric(const kernel_problem *k, double mu_s, double mu_d
         k->nn, {k->n1, k->n2}, {k->n1, k->n2}, {k->t11, k->t12, k->t12, k->t22},
         k->bn, {k->b1, k->b2},
     };
-    return solve_by_bisection(&g, mu_s, mu_d, p, nu, iterations);
+    slide e;
+    if (!make_slide(&g, &e)) {
+        return KERNEL_MATRIX;
+    }
+    return solve_by_bisection(&g, &e, mu_s, mu_d, p, nu, iterations);
 }
 
 static double solve_odd(const kernel_problem *k, double mu_s, double mu_d, double p[3], double *nu,
@@ -491,6 +575,75 @@ double solve_scaled(const kernel_problem *problem, double mu_s, double mu_d, dou
         return KERNEL_SLIP;
     }
     return solve_odd(problem, mu_s, mu_d, p, nu, iterations);
+}
+
+/* ---- any W, regular and of usual size: the same steps on the same equation -------------------- */
+
+/* p_t = (c nu + e) / D and p_n = -(b_n + row . p_t) / a need no symmetry of S, so kernel_slip holds
+ * as it is, with adj(S) c and det S taken exactly. Returns 0 for what is not usual. */
+static int pose_general(const solve_general *g, const slide *e, double mu_s, double mu_d,
+                        kernel_slip *out)
+{
+    const double c1 = e->c[0] / e->scale;
+    const double c2 = e->c[1] / e->scale;
+    const double e1 = e->adj[0] / e->unit / e->scale;
+    const double e2 = e->adj[1] / e->unit / e->scale;
+    const double det = e->det / e->unit / e->unit;
+    const double greatest_row = greater(absolute(g->row[0]), absolute(g->row[1]));
+    const double greatest_c = greater(absolute(c1), absolute(c2));
+    const int usual = !e->singular && e->det > 0.0 && e->largest >= FAST_MIN &&
+                      e->largest <= FAST_MAX && greatest_row <= FAST_MAX && g->nn >= FAST_MIN &&
+                      mu_d >= FAST_MIN && mu_s <= FAST_MAX && -g->bn >= FAST_MIN &&
+                      greatest_c >= FAST_MIN_DRIVE && greatest_c <= FAST_MAX;
+    if (!usual) {
+        return 0;
+    }
+    const double unit = g->nn * g->nn;
+    out->inverse_a = 1.0 / g->nn;
+    out->bn = g->bn;
+    out->n1 = g->row[0];
+    out->n2 = g->row[1];
+    out->c1 = c1;
+    out->c2 = c2;
+    out->e1 = e1;
+    out->e2 = e2;
+    out->trace = e->trace;
+    out->det = det;
+    out->mu_s = mu_s;
+    out->inverse_mu = 1.0 / mu_d;
+    out->A = -mu_d * g->bn;
+    out->B = mu_d * (-g->bn * e->trace - (g->row[0] * c1 + g->row[1] * c2));
+    const double base_c = -g->bn * det - (g->row[0] * e1 + g->row[1] * e2);
+    out->C = mu_d * base_c;
+    out->alpha = unit * (c1 * c1 + c2 * c2);
+    out->beta = unit * (c1 * e1 + c2 * e2);
+    out->gamma = unit * (e1 * e1 + e2 * e2);
+    out->least = det / (e->trace + e->largest);
+    out->mode = mu_s * base_c >= kernel_guess(out) ? KERNEL_STICK : KERNEL_SLIP;
+    return 1;
+}
+
+double solve_general_scaled(const solve_general *problem, double mu_s, double mu_d, double p[3],
+                            double *nu, uint32_t *iterations)
+{
+    slide e;
+    kernel_slip slip;
+    p[0] = p[1] = p[2] = 0.0;
+    *nu = 0.0;
+    *iterations = 0;
+    if (!make_slide(problem, &e)) {
+        return KERNEL_MATRIX;
+    }
+    if (problem->bn < 0.0 && pose_general(problem, &e, mu_s, mu_d, &slip)) {
+        const int slips = slip.mode == KERNEL_SLIP;
+        if (!slips || settle(&slip, nu, iterations)) {
+            kernel_finish(&slip, *nu, slips, p);
+            if (is_certified(problem, p, *nu)) {
+                return slip.mode;
+            }
+        }
+    }
+    return solve_by_bisection(problem, &e, mu_s, mu_d, p, nu, iterations);
 }
 
 tribo_status status_of_mode(double mode)

@@ -1,5 +1,4 @@
-/* The exact solve of one scaled problem, and the bisection behind it; shared by contact and
- * batch. */
+/* The exact solve of one scaled problem, with a symmetric W or any; shared by contact and batch. */
 #ifndef TRIBO_SOLVE_H
 #define TRIBO_SOLVE_H
 
@@ -14,9 +13,9 @@ typedef struct solve_general {
     double bn, b[2];
 } solve_general;
 
-/* Impulse p of the scaled problem by bisection. Returns the mode (OPEN to JAM) or KERNEL_MATRIX. */
-double solve_by_bisection(const solve_general *problem, double mu_s, double mu_d, double p[3],
-                          double *nu, uint32_t *iterations);
+/* Impulse p of the scaled problem. Returns the mode (OPEN to JAM) or KERNEL_MATRIX. */
+double solve_general_scaled(const solve_general *problem, double mu_s, double mu_d, double p[3],
+                            double *nu, uint32_t *iterations);
 
 /* The exact solve of a scaled problem; returns its mode or fault. */
 double solve_scaled(const kernel_problem *problem, double mu_s, double mu_d, double p[3],

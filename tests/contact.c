@@ -360,6 +360,33 @@ static void test_jam(void **state)
     }
 }
 
+/* W annuls a tangent, (0, 1, -1), and rounding lets b push along it: friction can hold that, so
+ * there is no jam. */
+static void test_tangential_null_direction(void **state)
+{
+    static const double w[6] = {6.25, 1, 1, 8, 8, 8};
+    static const double b[3] = {-0x1.272727272727p+0, -0x1.2727272727072p-3, -0x1.2727272727272p-3};
+    double full[9];
+    (void)state;
+    full_matrix(w, full);
+    for (int i = 0; i < 4; i++) {
+        const double share = i % 2 ? 1e-5 : 1.0; /* of the part beyond one p in the cone */
+        const double mu = i < 2 ? 0.5 : 5.0;
+        const double along = 0.5 * share * (b[1] - b[2]);
+        const double pushed[3] = {b[0], 0.5 * (b[1] + b[2]) + along, 0.5 * (b[1] + b[2]) - along};
+        for (int general = 0; general < 2; general++) {
+            double p[3];
+            tribo_measures m;
+            assert_int_equal(general ? tribo_contact_solve_general(full, pushed, mu, mu, p, NULL)
+                                     : tribo_contact_solve(w, pushed, mu, mu, p, NULL),
+                             TRIBO_OK);
+            assert_int_equal(tribo_audit_contact(w, pushed, mu, p, &m), TRIBO_OK);
+            within(m.eta, 1e-13);
+        }
+    }
+    settle("null direction among the tangents: eta, 1e-13");
+}
+
 /* Tangents along which nothing can move: friction cannot change the sliding there, and opposes it
  * with all it has; where nothing slides it sticks. mu = 1/2. */
 static void test_locked_tangents(void **state)
@@ -688,6 +715,24 @@ static void test_unsymmetric_matrices(void **state)
     assert_true(modes[OPEN] > 500 && modes[STICK] > 500 && modes[SLIP] > 500);
 }
 
+/* Graded W: what friction has to stop is nine decades easier to move along one tangent. */
+static void test_graded_general_matrix(void **state)
+{
+    static const double w[9] = {0x1.796cp+1,      0x1.796cp-51, 0, -0x1.796cp-51,
+                                0x1.80000002p+31, -0x1.a4p+30,  0, -0x1.a4p+30,
+                                0x1.cb600008p+29};
+    static const double b[3] = {-0x1.796cp+1, -0x1.80c0000201p+30, 0x1.a4d2p+29};
+    const double mu_d = 0.5 * 0x1.c4p-1;
+    double p[3];
+    tribo_solve_info info = {.struct_size = sizeof info};
+    (void)state;
+    assert_int_equal(tribo_contact_solve_general(w, b, 0.5, mu_d, p, &info), TRIBO_OK);
+    assert_int_equal(info.mode, SLIP);
+    within(general_eta(w, b, mu_d, p), 1e-15);
+    within(fabs(hypot(p[1], p[2]) - mu_d * p[0]), 8 * EPS * mu_d);
+    settle("graded W that is not symmetric: eta 1e-15, cone 8 eps");
+}
+
 /* On symmetric ones both solvers find the same. */
 static void test_both_solvers_agree(void **state)
 {
@@ -958,6 +1003,14 @@ static void test_cone_contains(void **state)
         {{1e-300, 3e-300, 4e-300}, 5.0000001, 0, 1},
         {{1e-300, 3e-300, 4e-300}, 4.9999999, 0, 0},
         {{1e300, 1e308, 1e308}, 1e300, 0, 1},
+        {{DBL_MAX, DBL_MAX, DBL_MAX}, 1.125, 0, 0}, /* neither side of the cone is a double */
+        {{DBL_MAX, DBL_MAX, DBL_MAX}, 1.5, 0, 1},
+        {{DBL_MAX, 1, 0}, 0, 0, 0},
+        {{DBL_MAX, 5e-324, 0}, 5e-324, 0, 1},
+        {{5e-324, DBL_MAX, DBL_MAX}, DBL_MAX, 0, 0},
+        {{1, 5e-324, 0}, 5e-324, 0, 1},
+        {{0.6, 5e-324, 0}, 5e-324, 0, 0}, /* mu p_n would round to 5e-324 */
+        {{1, DBL_MAX, 0}, 1, DBL_MAX, 1},
     };
     (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
@@ -999,6 +1052,33 @@ static void test_cone_closed_forms(void **state)
         within(distance(y, rows[i].clamped, 3), 8 * EPS * size);
     }
     settle("projections and clamp by hand, 8 eps");
+}
+
+/* Where |p_t| or mu p_n or both are beyond double. */
+static void test_clamp_beyond_double(void **state)
+{
+    static const struct {
+        double x[3];
+        double mu;
+        double planar[2];
+    } rows[] = {
+        {{DBL_MAX, DBL_MAX, DBL_MAX}, 1.125, {0.79549512883486595, 0.79549512883486595}},
+        {{DBL_MAX, DBL_MAX, -DBL_MAX}, 1.5, {1, -1}},
+        {{DBL_MAX, DBL_MAX, DBL_MAX}, 1.0, {0.70710678118654752, 0.70710678118654752}},
+        {{1, DBL_MAX, DBL_MAX}, DBL_MAX, {0.70710678118654752, 0.70710678118654752}},
+        {{DBL_MAX / 2, -DBL_MAX, 0}, 1.75, {-0.875, 0}},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        double y[3];
+        assert_int_equal(tribo_cone_clamp(rows[i].x, rows[i].mu, y), TRIBO_OK);
+        assert_true(y[0] == rows[i].x[0]);
+        for (int k = 0; k < 2; k++) {
+            within(fabs(y[1 + k] / DBL_MAX - rows[i].planar[k]), 2 * EPS);
+        }
+        assert_true(tribo_cone_contains(y, rows[i].mu, 4 * EPS));
+    }
+    settle("clamp beyond double, 2 eps");
 }
 
 static void draw_cone_point(problem_random *random, double x[3], double *mu)
@@ -1734,6 +1814,7 @@ int main(void)
         TEST(test_three_solutions),
         TEST(test_scaling_is_exact),
         TEST(test_jam),
+        TEST(test_tangential_null_direction),
         TEST(test_locked_tangents),
         TEST(test_singular_matrices_that_stick),
         TEST(test_static_and_dynamic_friction),
@@ -1741,6 +1822,7 @@ int main(void)
         TEST(test_extreme_sizes),
         TEST(test_frames_do_not_matter),
         TEST(test_unsymmetric_matrices),
+        TEST(test_graded_general_matrix),
         TEST(test_both_solvers_agree),
         TEST(test_outputs_in_place_of_inputs),
         TEST(test_older_solve_info),
@@ -1748,6 +1830,7 @@ int main(void)
         TEST(test_bad_solve_calls),
         TEST(test_cone_contains),
         TEST(test_cone_closed_forms),
+        TEST(test_clamp_beyond_double),
         TEST(test_cone_projection_properties),
         TEST(test_cone_at_the_ends_of_the_range),
         TEST(test_bad_cones),

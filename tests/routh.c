@@ -817,6 +817,43 @@ static void test_start_without_slip(void **state)
     settle("start at rest, 64 eps cond");
 }
 
+/* Approaches whose square is no double, beside slip that they cannot stop, and restitutions whose
+ * square is none: p_n = (1 + e) |u_n| / (a - mu w . s) in one piece. */
+static void test_slow_approaches(void **state)
+{
+    static const double round_w[6] = {2, 0, 0, 2, 0, 2};
+    static const double skew[6] = {4, 0.75, 1.8, 2, 0, 4};
+    static const double speeds[] = {1e-30, 1e-100, 1e-154, 1e-160, 1e-200, 1e-300};
+    (void)state;
+    for (uint32_t law = NEWTON; law <= STRONGE; law++) {
+        const tribo_material pair = {0.5, 0.25, 0.75};
+        double p[3];
+        tribo_impact_info info =
+            impact(law, round_w, (const double[3]){-5e-324, 0.6, -0.8}, &pair, p);
+        assert_true(p[0] >= 0.0 && p[0] <= 1e-323 && info.mode == SLIP);
+        for (size_t i = 0; i < sizeof speeds / sizeof speeds[0]; i++) {
+            const double s = speeds[i];
+            info = impact(law, skew, (const double[3]){-s, 0.6, -0.8}, &pair, p);
+            const double slope = 4 - 0.25 * (0.6 * 0.75 - 0.8 * 1.8);
+            const double expected[3] = {1.75 / slope, -0.25 * 0.6 * 1.75 / slope,
+                                        0.25 * 0.8 * 1.75 / slope};
+            const double scaled[3] = {p[0] / s, p[1] / s, p[2] / s};
+            assert_int_equal(info.mode, SLIP);
+            within(distance(scaled, expected, 3), 8 * EPS);
+            within(fabs(info.compression / s - 1 / slope), 8 * EPS);
+        }
+        for (int k = 0; k < 2; k++) {
+            const tribo_material soft = {0.5, 0.25, k ? 1e-170 : 5e-324};
+            impact(law, skew, (const double[3]){-1, 0, 0}, &soft, p);
+            const tribo_material plastic = {0.5, 0.25, 0};
+            double expected[3];
+            impact(law, skew, (const double[3]){-1, 0, 0}, &plastic, expected);
+            within(distance(p, expected, 3), 8 * EPS);
+        }
+    }
+    settle("slow approaches and faint restitution, 8 eps");
+}
+
 #define TEST(function) cmocka_unit_test_setup(function, fresh)
 
 int main(void)
@@ -830,6 +867,7 @@ int main(void)
         TEST(test_balls_do_not_care),
         TEST(test_painleve_rod),
         TEST(test_start_without_slip),
+        TEST(test_slow_approaches),
     };
     return cmocka_run_group_tests_name("routh", tests, NULL, NULL);
 }

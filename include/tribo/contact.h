@@ -199,8 +199,8 @@ TRIBO_API tribo_status tribo_contact_solve(const double w[6], const double b[3],
                                            double mu_d, double p[3], tribo_solve_info *info);
 
 /** The same for any W with W_nn > 0, symmetric or not (row by row), such as implicit integrators of
- *  gyroscopic terms give: pure bisection on the same scalar equation, some 1 us. If the sticking
- *  solve is singular, or the slip equation has no sign change, the contact jams.
+ *  gyroscopic terms give: the same steps on the same scalar equation, which needs no symmetry of S,
+ *  and bisection behind them. If no nu solves it, nor sticking, the contact jams.
  *  @return as tribo_contact_solve; TRIBO_ERROR_CONTACT_MATRIX if W_nn < 0 or the symmetric part of
  *          the Schur complement of W_nn is not positive semidefinite. */
 TRIBO_API tribo_status tribo_contact_solve_general(const double w[9], const double b[3],
