@@ -69,8 +69,8 @@ TRIBO_API tribo_status tribo_audit_contact(const double w[6], const double b[3],
 /** Measures of an impact: those of tribo_audit_contact for b = ((1+e) u_n, u_t) and the coefficient
  *  that fits p (mu_s if p leaves no sliding velocity, else mu_d), but with `energy` = p . (u- + u+)
  *  / 2 / (P V), the true change, and `velocity` the deviation (u_n+ + e u_n-) / V from Newton's
- *  restitution, 0 where u_n- >= 0: there is no impact then. eta is then the distance of any law's impulse from Coulomb's law with Newton's
- *  restitution.
+ *  restitution, 0 where u_n- >= 0 (there is no impact then). eta is then the distance of any law's
+ *  impulse from Coulomb's law with Newton's restitution.
  *  @return as tribo_audit_contact, TRIBO_ERROR_FRICTION, TRIBO_ERROR_RESTITUTION. */
 TRIBO_API tribo_status tribo_audit_impact(const double w[6], const double u[3],
                                           const tribo_material *pair, const double p[3],
