@@ -1,4 +1,5 @@
-/* Properties of the readers of the program: src/cli/table.h (CSV) and src/cli/problem.h. */
+/* Properties of the readers of the program: src/cli/table.h (CSV), src/cli/problem.h and
+ * src/cli/collide.h. */
 #define _GNU_SOURCE /* memfd_create: a file on disk would be thousands of times slower */
 
 #include <ctype.h>
@@ -9,6 +10,7 @@
 #include <unistd.h>
 
 #include "../src/cli/cli.h"
+#include "../src/cli/collide.h"
 #include "../src/cli/problem.h"
 #include "../src/cli/table.h"
 #include "support/make.h"
@@ -435,6 +437,249 @@ static void problem_bytes(property_trial *t)
     REQUIRE(t, status == 0 ? p->message[0] == '\0' : written_once(p->message));
 }
 
+/* ---- pairs of shapes ---------------------------------------------------------------------- */
+
+enum { PAIRS = 3, HULL_POINTS = 5, WORDS = 2 * (2 + 3 * HULL_POINTS + 7) + 1 };
+
+typedef struct shape_word {
+    const char *name;
+    uint32_t type;
+    uint32_t sizes;
+} shape_word;
+
+static const shape_word shape_words[8] = {
+    {"sphere", TRIBO_SHAPE_SPHERE, 1},       {"box", TRIBO_SHAPE_BOX, 3},
+    {"capsule", TRIBO_SHAPE_CAPSULE, 2},     {"cylinder", TRIBO_SHAPE_CYLINDER, 2},
+    {"cone", TRIBO_SHAPE_CONE, 2},           {"ellipsoid", TRIBO_SHAPE_ELLIPSOID, 3},
+    {"halfspace", TRIBO_SHAPE_HALFSPACE, 4}, {"hull", TRIBO_SHAPE_HULL, 0}};
+
+/* A line as words, and what they mean. */
+typedef struct pair_line {
+    char words[WORDS][40];
+    uint32_t count;
+    uint32_t shape_at[2]; /* index of the word */
+    uint32_t pose_at[2];
+    uint32_t points[2];
+    double hull[2][3 * HULL_POINTS];
+    tribo_shape shapes[2];
+    tribo_pose poses[2];
+    unsigned long line;
+    unsigned long columns[WORDS + 1]; /* of the words, and of the end of the line */
+} pair_line;
+
+typedef struct pair_text {
+    pair_line lines[PAIRS];
+    uint32_t count;
+    uint32_t style;
+    text x;
+} pair_text;
+
+static double add_number(property_trial *t, uint32_t style, uint32_t plain, pair_line *l)
+{
+    const double value = plain ? make_real(t, "number", -2, 2) : make_any(t, "number");
+    snprintf(l->words[l->count++], sizeof l->words[0], (style & 1) != 0 ? "%a" : "%.17g", value);
+    return value;
+}
+
+static void make_item(property_trial *t, uint32_t style, uint32_t i, pair_line *l)
+{
+    const shape_word *word = &shape_words[make_choice(t, "shape", 8)];
+    l->shape_at[i] = l->count;
+    snprintf(l->words[l->count++], sizeof l->words[0], "%s", word->name);
+    l->shapes[i].type = word->type;
+    for (uint32_t k = 0; k < word->sizes; k++) {
+        l->shapes[i].size[k] = add_number(t, style, 0, l);
+    }
+    if (word->type == TRIBO_SHAPE_HULL) {
+        l->points[i] = make_choice(t, "points", HULL_POINTS + 1);
+        snprintf(l->words[l->count++], sizeof l->words[0], "%u", (unsigned)l->points[i]);
+        const uint32_t plain = make_choice(t, "plain", 2);
+        for (uint32_t k = 0; k < 3 * l->points[i]; k++) {
+            l->hull[i][k] = add_number(t, style, plain, l);
+        }
+    }
+    l->pose_at[i] = l->count;
+    for (uint32_t k = 0; k < 7; k++) {
+        double *to = k < 3 ? &l->poses[i].position[k] : &l->poses[i].orientation[k - 3];
+        *to = add_number(t, style, 0, l);
+    }
+}
+
+/* The first `count` words of a line between blanks of any kind. */
+static void put_words(pair_text *b, pair_line *l, uint32_t count)
+{
+    l->line = b->x.line;
+    put(&b->x, (b->style & 2) != 0 ? " \t" : "");
+    for (uint32_t i = 0; i < count; i++) {
+        put(&b->x, i == 0 ? "" : (b->style & 4) != 0 ? "\t  " : " ");
+        l->columns[i] = b->x.column;
+        put(&b->x, l->words[i]);
+    }
+    put(&b->x, (b->style & 8) != 0 ? "\r" : "");
+    l->columns[count] = b->x.column;
+    put(&b->x, "\n");
+    put(&b->x, (b->style & 16) != 0 ? "\n \t\n" : ""); /* lines without a word are no pairs */
+}
+
+static void make_line(property_trial *t, uint32_t style, pair_line *l)
+{
+    memset(l, 0, sizeof *l);
+    make_item(t, style, 0, l);
+    make_item(t, style, 1, l);
+}
+
+static void make_pairs(property_trial *t, pair_text *b)
+{
+    b->x.length = 0;
+    b->x.line = b->x.column = 1;
+    b->style = make_byte(t);
+    b->count = make_choice(t, "pairs", PAIRS);
+    for (uint32_t i = 0; i < b->count; i++) {
+        make_line(t, b->style, &b->lines[i]);
+        put_words(b, &b->lines[i], b->lines[i].count);
+    }
+}
+
+/* What is taken has to be compared at once: blocks of hulls last no longer than the call. */
+typedef struct pairs_taken {
+    const pair_text *want; /* null: anything goes */
+    uint32_t count;
+    uint32_t different;
+    uint32_t stop; /* answer with 77 at this pair */
+} pairs_taken;
+
+static int same_numbers(const double *left, const double *right, size_t count)
+{
+    int same = 1;
+    for (size_t i = 0; i < count; i++) {
+        same = same && same_number(left[i], right[i]);
+    }
+    return same;
+}
+
+/* A hull is that of its points, or refused as they are. */
+static int same_hull(const pair_line *l, uint32_t i, const collide_item *got)
+{
+    static double block[1 << 11]; /* aligned to 8 */
+    size_t needed = 0;
+    const tribo_status status =
+        tribo_hull_build(l->points[i], l->hull[i], block, sizeof block, &needed);
+    return got->built == status && (status == TRIBO_OK ? memcmp(got->shape.data, block, needed) == 0
+                                                       : got->shape.data == NULL);
+}
+
+static int same_item(const pair_line *l, uint32_t i, const collide_item *got)
+{
+    const int hull = l->shapes[i].type == TRIBO_SHAPE_HULL;
+    return got->shape.type == l->shapes[i].type && got->shape.count == 0 &&
+           same_numbers(got->shape.size, l->shapes[i].size, 4) &&
+           same_numbers(got->pose.position, l->poses[i].position, 3) &&
+           same_numbers(got->pose.orientation, l->poses[i].orientation, 4) &&
+           got->shape_column == l->columns[l->shape_at[i]] &&
+           got->pose_column == l->columns[l->pose_at[i]] &&
+           (hull ? same_hull(l, i, got) : got->built == TRIBO_OK && got->shape.data == NULL);
+}
+
+static int take_pair(void *user, const collide_pair *pair)
+{
+    pairs_taken *all = user;
+    if (all->want != NULL && all->count < all->want->count) {
+        const pair_line *l = &all->want->lines[all->count];
+        all->different += pair->line != l->line || !same_item(l, 0, &pair->items[0]) ||
+                          !same_item(l, 1, &pair->items[1]);
+    }
+    all->count++;
+    return all->count == all->stop ? 77 : 0;
+}
+
+static int read_pairs(const text *x, pairs_taken *all)
+{
+    channel *p = begin(x->bytes, x->length);
+    const int status = collide_read(p->path, take_pair, all);
+    end(p);
+    return status;
+}
+
+/* What is written is read, to the bit, and its place too. */
+static void collide_rows(property_trial *t)
+{
+    static pair_text b;
+    make_pairs(t, &b);
+    pairs_taken all = {.want = &b};
+    REQUIRE(t, read_pairs(&b.x, &all) == 0 && the_channel()->message[0] == '\0');
+    REQUIRE(t, all.count == b.count && all.different == 0);
+    ASSUME(t, b.count > 0);
+    pairs_taken stopped = {.want = &b, .stop = 1 + make_choice(t, "stop", b.count)};
+    REQUIRE(t, read_pairs(&b.x, &stopped) == 77 && the_channel()->message[0] == '\0');
+    REQUIRE(t, stopped.count == stopped.stop);
+}
+
+static const char *const not_counts[] = {"-1", "2.5", "nan", "inf", "1e30", "16777217", "0x1p60"};
+static const char *const no_words[] = {"x",       "1x", "1e999", "--1",  "0x",
+                                       "sphere_", "1,", "1e",    "\x7f", "-1e999"};
+
+/* A line with one fault, after the good ones. The index of the word that must be named. */
+static uint32_t put_bad_line(property_trial *t, pair_text *b, pair_line *l)
+{
+    const uint32_t kind = make_choice(t, "fault", 4);
+    const uint32_t place = make_choice(t, "place", l->count);
+    const uint32_t bad = make_choice(t, "bad", (uint32_t)PROPERTY_COUNT(no_words));
+    uint32_t at = place;
+    if (kind == 0) {
+        snprintf(l->words[at], sizeof l->words[0], "%s", no_words[bad]);
+    } else if (kind == 1) { /* a word too many */
+        at = l->count;
+        snprintf(l->words[at], sizeof l->words[0], "%s", no_words[bad]);
+        l->count++;
+    } else if (kind == 2 && l->shapes[0].type == TRIBO_SHAPE_HULL) {
+        at = 1;
+        snprintf(l->words[at], sizeof l->words[0], "%s",
+                 not_counts[bad % PROPERTY_COUNT(not_counts)]);
+    } else { /* cut off */
+        at = place > 0 ? place : 1;
+        l->count = at;
+    }
+    put_words(b, l, l->count);
+    return at;
+}
+
+/* Wrong words, words too many or too few: exit status and the right place; what came before is
+ * taken. */
+static void collide_faults(property_trial *t)
+{
+    static pair_text b;
+    static pair_line bad;
+    unsigned long got[2];
+    make_pairs(t, &b);
+    make_line(t, b.style, &bad);
+    const uint32_t at = put_bad_line(t, &b, &bad);
+    const unsigned long column = bad.columns[at];
+    pairs_taken all = {.want = &b};
+    REQUIRE(t, read_pairs(&b.x, &all) == CLI_BAD_INPUT);
+    REQUIRE(t, all.count == b.count && all.different == 0);
+    REQUIRE(t, read_place(the_channel(), &got[0], &got[1]));
+    REQUIRE(t, got[0] == bad.line && got[1] == column);
+}
+
+static void collide_bytes(property_trial *t)
+{
+    static char bytes[TEXT + 1];
+    static const char *const starts[4] = {"", "sphere 1 0 0 0 1 0 0 0 ", "hull 4 0 0 0 1 0 0 0 1 ",
+                                          "box 1 1 1 0 0 0 1 0 0 0 halfspace 0 0 1 0 0 0 0 1 0 "};
+    const uint32_t start = make_choice(t, "start", 4);
+    const size_t length = make_bytes(t, starts[start], bytes);
+    pairs_taken all = {.want = NULL};
+    channel *p = begin(bytes, length);
+    const int status = collide_read(p->path, take_pair, &all);
+    end(p);
+    if (status == 0) {
+        REQUIRE(t, p->message[0] == '\0');
+        return;
+    }
+    REQUIRE(t, status == CLI_BAD_INPUT);
+    require_place(t, p, bytes, length);
+}
+
 const char *const property_room = "table";
 const property property_list[] = {
     {"table_rows", table_rows, 1},
@@ -443,6 +688,9 @@ const property property_list[] = {
     {"table_bytes", table_bytes, 1},
     {"problem_dense", problem_dense, 1},
     {"problem_bytes", problem_bytes, 1},
+    {"collide_rows", collide_rows, 1},
+    {"collide_faults", collide_faults, 1},
+    {"collide_bytes", collide_bytes, 1},
 };
 const size_t property_count = PROPERTY_COUNT(property_list);
 const unsigned property_trials = 10000;
