@@ -1,50 +1,11 @@
 /* Measures of conservation and of Coulomb's law, against closed forms. */
 #include <tribo/audit.h>
 
+#include "check.h"
 #include "problems.h"
 #include "quad.h"
 
-#include <float.h>
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <string.h>
-
-#include <cmocka.h>
-
-#define EPS DBL_EPSILON
-#define INFINITE ((double)INFINITY)
-
 enum { FIELDS = sizeof(tribo_measures) / sizeof(double) };
-
-static const double not_finite[3] = {(double)NAN, (double)INFINITY, -(double)INFINITY};
-
-/* Greatest error of the running test, in units of its tolerance. */
-static double worst;
-
-static int fresh(void **state)
-{
-    (void)state;
-    worst = 0.0;
-    return 0;
-}
-
-static void within(double error, double tolerance)
-{
-    const double units = error == 0.0 ? 0.0 : error / tolerance;
-    if (!(units <= worst)) {
-        worst = units >= 0.0 ? units : INFINITE;
-    }
-}
-
-static void settle(const char *what)
-{
-    const double greatest = worst;
-    worst = 0.0;
-    print_message("# %s: %.3g of the tolerance\n", what, greatest);
-    assert_true(greatest <= 1.0);
-}
 
 static void fields_of(const tribo_measures *measures, double fields[FIELDS])
 {
@@ -52,15 +13,6 @@ static void fields_of(const tribo_measures *measures, double fields[FIELDS])
 }
 
 /* ---- bodies ---------------------------------------------------------------------------------- */
-
-static tribo_body body_of(double mass, double ixx, double iyy, double izz)
-{
-    const double inertia[9] = {ixx, 0, 0, 0, iyy, 0, 0, 0, izz};
-    tribo_body body;
-    tribo_body_init(&body);
-    assert_int_equal(tribo_body_set_mass(&body, mass, inertia), TRIBO_OK);
-    return body;
-}
 
 /* 2 kg at (1,0,0) with v = (0,3,4), spin (0,0,5) about I_zz = 4; 0.5 kg at (0,2,0), v =
  * (-8,0,0), no spin. About the origin: (1,0,0) x (0,6,8) = (0,-8,6); (0,2,0) x (-4,0,0) =
@@ -486,13 +438,7 @@ static struct {
 } out, before;
 
 /* A refused call gives the status and leaves `out` as it was. */
-#define REFUSED(expected, call)                         \
-    do {                                                \
-        memset(&out, 0xa5, sizeof out);                 \
-        memcpy(&before, &out, sizeof out);              \
-        assert_int_equal(call, expected);               \
-        assert_memory_equal(&before, &out, sizeof out); \
-    } while (0)
+#define REFUSED(expected, call) ASSERT_REFUSED_AFRESH(out, before, expected, call)
 
 static void test_bad_bodies(void **state)
 {
@@ -608,8 +554,6 @@ static void test_bad_arrays(void **state)
     p[1] = not_finite[1];
     REFUSED(TRIBO_ERROR_NOT_FINITE, tribo_audit_contacts(3, w, b, mu, p, &out.max, &out.rms));
 }
-
-#define TEST(function) cmocka_unit_test_setup(function, fresh)
 
 int main(void)
 {

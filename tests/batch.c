@@ -1,21 +1,10 @@
 /* Batches give the bits and the statuses of the scalar functions, whatever the instruction set. */
 #include <tribo/batch.h>
 
+#include "check.h"
 #include "problems.h"
 
-#include <float.h>
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <string.h>
-
-#include <cmocka.h>
-
 enum { MOST = 40, ROUNDS = 400, ISAS = 5 };
-
-#define NOT_A_NUMBER ((double)NAN)
-#define INFINITE ((double)INFINITY)
 
 /* ---- instruction sets ------------------------------------------------------------------------ */
 

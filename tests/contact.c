@@ -2,64 +2,11 @@
 #include <tribo/audit.h>
 #include <tribo/contact.h>
 
+#include "check.h"
 #include "problems.h"
 #include "quad.h"
 
-#include <float.h>
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <string.h>
-
-#include <cmocka.h>
-
-#define EPS DBL_EPSILON
-#define NOT_A_NUMBER ((double)NAN)
-#define INFINITE ((double)INFINITY)
-
-static const double not_finite[3] = {(double)NAN, (double)INFINITY, -(double)INFINITY};
 static const double axes[9] = {0, 0, 1, 1, 0, 0, 0, 1, 0}; /* n = z, t1 = x, t2 = y */
-
-/* Greatest error of the running test, in units of its tolerance. */
-static double worst;
-
-static int fresh(void **state)
-{
-    (void)state;
-    worst = 0.0;
-    return 0;
-}
-
-static void within(double error, double tolerance)
-{
-    const double units = error == 0.0 ? 0.0 : error / tolerance;
-    if (!(units <= worst)) {
-        worst = units >= 0.0 ? units : INFINITE;
-    }
-}
-
-static void settle(const char *what)
-{
-    const double greatest = worst;
-    worst = 0.0;
-    print_message("# %s: %.3g of the tolerance\n", what, greatest);
-    assert_true(greatest <= 1.0);
-}
-
-static double distance(const double *a, const double *b, size_t n)
-{
-    double sum = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        sum += (a[i] - b[i]) * (a[i] - b[i]);
-    }
-    return sqrt(sum);
-}
-
-static int same_bits(const double *a, const double *b, size_t n)
-{
-    return memcmp(a, b, n * sizeof *a) == 0;
-}
 
 static void full_matrix(const double w[6], double full[9])
 {
@@ -870,12 +817,7 @@ static void canary(void)
 }
 
 /* A refused call gives the status and leaves `out` as it was. */
-#define REFUSED(expected, call)                         \
-    do {                                                \
-        memcpy(&before, &out, sizeof out);              \
-        assert_int_equal(call, expected);               \
-        assert_memory_equal(&before, &out, sizeof out); \
-    } while (0)
+#define REFUSED(expected, call) ASSERT_REFUSED(out, before, expected, call)
 
 static const struct {
     double w[6];
@@ -1211,15 +1153,6 @@ static void test_bad_cones(void **state)
 }
 
 /* ---- geometry and contact matrix ------------------------------------------------------------- */
-
-static tribo_body body_of(double mass, double ixx, double iyy, double izz)
-{
-    const double inertia[9] = {ixx, 0, 0, 0, iyy, 0, 0, 0, izz};
-    tribo_body body;
-    tribo_body_init(&body);
-    assert_int_equal(tribo_body_set_mass(&body, mass, inertia), TRIBO_OK);
-    return body;
-}
 
 static tribo_contact contact_with_arm(double x, double y, double z)
 {
@@ -1803,8 +1736,6 @@ static void test_bad_forces(void **state)
         REFUSED(TRIBO_ERROR_NOT_FINITE, tribo_friction_force(f, x, &pair, out.p, &out.mode));
     }
 }
-
-#define TEST(function) cmocka_unit_test_setup(function, fresh)
 
 int main(void)
 {

@@ -2,22 +2,11 @@
 #include <tribo/audit.h>
 #include <tribo/contact.h>
 
+#include "check.h"
 #include "problems.h"
 #include "quad.h"
 
-#include <float.h>
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-
-#define EPS DBL_EPSILON
-#define NOT_A_NUMBER ((double)NAN)
-#define INFINITE ((double)INFINITY)
 
 enum {
     ALGEBRAIC = TRIBO_LAW_ALGEBRAIC,
@@ -33,43 +22,7 @@ enum {
     SLIP = TRIBO_MODE_SLIP
 };
 
-static const double not_finite[3] = {(double)NAN, (double)INFINITY, -(double)INFINITY};
 static const double up[3] = {0, 0, 1};
-
-/* Greatest error of the running test, in units of its tolerance. */
-static double worst;
-
-static int fresh(void **state)
-{
-    (void)state;
-    worst = 0.0;
-    return 0;
-}
-
-static void within(double error, double tolerance)
-{
-    const double units = error == 0.0 ? 0.0 : error / tolerance;
-    if (!(units <= worst)) {
-        worst = units >= 0.0 ? units : INFINITE;
-    }
-}
-
-static void settle(const char *what)
-{
-    const double greatest = worst;
-    worst = 0.0;
-    print_message("# %s: %.3g of the tolerance\n", what, greatest);
-    assert_true(greatest <= 1.0);
-}
-
-static double distance(const double *a, const double *b, size_t n)
-{
-    double sum = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        sum += (a[i] - b[i]) * (a[i] - b[i]);
-    }
-    return sqrt(sum);
-}
 
 static tribo_impact_options options_of(uint32_t law)
 {
@@ -86,15 +39,6 @@ static tribo_impact_info impact(uint32_t law, const double w[6], const double u[
     tribo_impact_info info = {.struct_size = sizeof info};
     assert_int_equal(tribo_impact(w, u, &pair, &options, p, &info), TRIBO_OK);
     return info;
-}
-
-static tribo_body body_of(double mass, double ixx, double iyy, double izz)
-{
-    const double inertia[9] = {ixx, 0, 0, 0, iyy, 0, 0, 0, izz};
-    tribo_body body;
-    tribo_body_init(&body);
-    assert_int_equal(tribo_body_set_mass(&body, mass, inertia), TRIBO_OK);
-    return body;
 }
 
 /* ---- ball on a plane ------------------------------------------------------------------------- */
@@ -1264,12 +1208,7 @@ static struct {
 } out, before;
 
 /* A refused call gives the status and leaves `out` as it was. */
-#define REFUSED(expected, call)                         \
-    do {                                                \
-        memcpy(&before, &out, sizeof out);              \
-        assert_int_equal(call, expected);               \
-        assert_memory_equal(&before, &out, sizeof out); \
-    } while (0)
+#define REFUSED(expected, call) ASSERT_REFUSED(out, before, expected, call)
 
 static void canary(void)
 {
@@ -1503,8 +1442,6 @@ static void test_bad_collisions(void **state)
     out.a.velocity[2] = -1e200;
     REFUSED(TRIBO_ERROR_RANGE, tribo_collide(&out.a, NULL, point, up, &pair, NULL, &out.collision));
 }
-
-#define TEST(function) cmocka_unit_test_setup(function, fresh)
 
 int main(void)
 {

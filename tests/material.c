@@ -1,20 +1,10 @@
 /* Coefficients of friction and restitution: judging, mixing, the lecture's table. */
 #include <tribo/material.h>
 
+#include "check.h"
 #include "problems.h"
 
-#include <float.h>
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <string.h>
-
-#include <cmocka.h>
-
 enum { RULES = 5 };
-
-#define NOT_A_NUMBER ((double)NAN)
-#define INFINITE ((double)INFINITY)
 
 /* Outputs of refused calls; filled with a pattern that no result has. */
 static struct {
@@ -23,13 +13,7 @@ static struct {
 } out, before;
 
 /* A refused call gives the status and leaves `out` as it was. */
-#define REFUSED(expected, call)                         \
-    do {                                                \
-        memset(&out, 0xa5, sizeof out);                 \
-        memcpy(&before, &out, sizeof out);              \
-        assert_int_equal(call, expected);               \
-        assert_memory_equal(&before, &out, sizeof out); \
-    } while (0)
+#define REFUSED(expected, call) ASSERT_REFUSED_AFRESH(out, before, expected, call)
 
 static tribo_material material(double mu_s, double mu_d, double e)
 {

@@ -1,49 +1,12 @@
 /* Vectors, matrices, quaternions, skew products, the contact basis, elementary functions. */
 #include <tribo/math.h>
 
+#include "check.h"
 #include "problems.h"
 
-#include <float.h>
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <string.h>
-
-#include <cmocka.h>
-
-#define EPS DBL_EPSILON
-#define NOT_A_NUMBER ((double)NAN)
-#define INFINITE ((double)INFINITY)
 #define PI 3.141592653589793238462643L
 
 enum { TRIALS = 100000 };
-
-/* Greatest error of the running test, in units of its tolerance. */
-static double worst;
-
-static int fresh(void **state)
-{
-    (void)state;
-    worst = 0.0;
-    return 0;
-}
-
-static void within(double error, double tolerance)
-{
-    const double units = error == 0.0 ? 0.0 : error / tolerance;
-    if (!(units <= worst)) {
-        worst = units >= 0.0 ? units : INFINITE;
-    }
-}
-
-static void settle(const char *what)
-{
-    const double greatest = worst;
-    worst = 0.0;
-    print_message("# %s: %.3g of the tolerance\n", what, greatest);
-    assert_true(greatest <= 1.0);
-}
 
 static void draw(problem_random *random, size_t n, double x[])
 {
@@ -58,11 +21,6 @@ static void draw_integers(problem_random *random, size_t n, double x[])
     for (size_t i = 0; i < n; i++) {
         x[i] = (double)(int)(problem_random_bits(random) % 201) - 100.0;
     }
-}
-
-static int same_bits(const double *a, const double *b, size_t n)
-{
-    return memcmp(a, b, n * sizeof *a) == 0;
 }
 
 static int equal(const double *a, const double *b, size_t n)
@@ -84,7 +42,7 @@ static long double length(const double *x, size_t n)
     return sqrtl(sum);
 }
 
-static long double distance(const double *a, const long double *b, size_t n)
+static long double long_distance(const double *a, const long double *b, size_t n)
 {
     long double sum = 0.0L;
     for (size_t i = 0; i < n; i++) {
@@ -183,7 +141,7 @@ static void test_normalize(void **state)
             unit[k] = (long double)a[k] / norm;
         }
         assert_int_equal(tribo_vec3_normalize(a, out), TRIBO_OK);
-        within((double)distance(out, unit, 3), 2.0 * EPS);
+        within((double)long_distance(out, unit, 3), 2.0 * EPS);
         assert_int_equal(tribo_vec3_normalize(a, a), TRIBO_OK);
         assert_true(same_bits(a, out, 3));
     }
@@ -297,7 +255,7 @@ static void test_skew_is_the_cross_product(void **state)
             }
         }
         tribo_mat3_apply(s, x, sx);
-        within((double)(distance(sx, rx, 3) / (length(r, 3) * length(x, 3))), 4.0 * EPS);
+        within((double)(long_distance(sx, rx, 3) / (length(r, 3) * length(x, 3))), 4.0 * EPS);
     }
     settle("S(r) x = r x x, 4 eps |r||x|");
 }
@@ -442,7 +400,7 @@ static void test_basis_is_the_rotation_of_z(void **state)
         long double t[6];
         reference_tangents(theta, f, t);
         basis(n, b);
-        within((double)distance(b + 3, t, 6), 16.0 * EPS / (double)cosl(theta / 2));
+        within((double)long_distance(b + 3, t, 6), 16.0 * EPS / (double)cosl(theta / 2));
     }
     settle("the rotation about z x n, 16 eps / cos(theta/2)");
 }
@@ -680,7 +638,7 @@ static void test_quat_normalize(void **state)
             unit[k] = (long double)q[k] / norm;
         }
         assert_int_equal(tribo_quat_normalize(q, out), TRIBO_OK);
-        within((double)distance(out, unit, 4), 2.0 * EPS);
+        within((double)long_distance(out, unit, 4), 2.0 * EPS);
     }
     settle("normalize, 2 eps");
 }
@@ -694,11 +652,11 @@ static void check_rotation_vector(const double v[3])
     double q[4];
     assert_int_equal(tribo_quat_from_rotation_vector(v, q), TRIBO_OK);
     /* the rounded angle itself is uncertain by half an ulp */
-    within((double)distance(q, expected, 4), 4.0 * EPS * (1.0 + 0.25 * (double)angle));
+    within((double)long_distance(q, expected, 4), 4.0 * EPS * (1.0 + 0.25 * (double)angle));
     within((double)fabsl(length(q, 4) - 1.0L), 4.0 * EPS);
     /* and the vector part is accurate relative to itself while the angle is small */
     if (angle > 0 && angle < 1) {
-        within((double)distance(q + 1, expected + 1, 3), 4.0 * EPS * (double)angle + 5e-324);
+        within((double)long_distance(q + 1, expected + 1, 3), 4.0 * EPS * (double)angle + 5e-324);
     }
 }
 
@@ -953,13 +911,7 @@ static double out[9];
 static double before[9];
 
 /* A refused call gives the status and leaves `out` as it was. */
-#define REFUSED(expected, call)                       \
-    do {                                              \
-        memset(out, 0xa5, sizeof out);                \
-        memcpy(before, out, sizeof out);              \
-        assert_int_equal(call, expected);             \
-        assert_memory_equal(before, out, sizeof out); \
-    } while (0)
+#define REFUSED(expected, call) ASSERT_REFUSED_AFRESH(out, before, expected, call)
 
 static void test_bad_input(void **state)
 {
@@ -995,8 +947,6 @@ static void test_bad_input(void **state)
         }
     }
 }
-
-#define TEST(function) cmocka_unit_test_setup(function, fresh)
 
 int main(void)
 {

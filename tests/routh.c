@@ -1,20 +1,9 @@
 /* Routh's impact law against its planar closed form, tables, and an independent integration. */
 #include <tribo/contact.h>
 
+#include "check.h"
 #include "problems.h"
 #include "quad.h"
-
-#include <float.h>
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <string.h>
-
-#include <cmocka.h>
-
-#define EPS DBL_EPSILON
-#define INFINITE ((double)INFINITY)
 
 enum {
     NEWTON = TRIBO_LAW_ROUTH_NEWTON,
@@ -23,41 +12,6 @@ enum {
     STICK = TRIBO_MODE_STICK,
     SLIP = TRIBO_MODE_SLIP
 };
-
-/* Greatest error of the running test, in units of its tolerance. */
-static double worst;
-
-static int fresh(void **state)
-{
-    (void)state;
-    worst = 0.0;
-    return 0;
-}
-
-static void within(double error, double tolerance)
-{
-    const double units = error == 0.0 ? 0.0 : error / tolerance;
-    if (!(units <= worst)) {
-        worst = units >= 0.0 ? units : INFINITE;
-    }
-}
-
-static void settle(const char *what)
-{
-    const double greatest = worst;
-    worst = 0.0;
-    print_message("# %s: %.3g of the tolerance\n", what, greatest);
-    assert_true(greatest <= 1.0);
-}
-
-static double distance(const double *a, const double *b, size_t n)
-{
-    double sum = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        sum += (a[i] - b[i]) * (a[i] - b[i]);
-    }
-    return sqrt(sum);
-}
 
 static tribo_status try_impact(uint32_t law, const double w[6], const double u[3],
                                const tribo_material *pair, double p[3], tribo_impact_info *info)
@@ -853,8 +807,6 @@ static void test_slow_approaches(void **state)
     }
     settle("slow approaches and faint restitution, 8 eps");
 }
-
-#define TEST(function) cmocka_unit_test_setup(function, fresh)
 
 int main(void)
 {
