@@ -1,13 +1,14 @@
 # tribo: contact and friction between rigid bodies.
 #
 #   make                 library (shared, static, pkg-config file) and program, into $(BUILD)
-#   make lib             both libraries; libtribo needs libccd and Qhull
+#   make lib             both libraries; libtribo needs libccd, Qhull and SuiteSparse
 #   make core            libtribo_core alone; needs a C99 compiler and libm
 #   make install         into $(DESTDIR)$(PREFIX); uninstall takes it all away again
 #   make demo            run the program's demonstration
 #   make check           build and run all tests; last line: "tests: N passed, M failed, K skipped"
 #   make check-sanitize  the same programs under AddressSanitizer and UBSan, and a clang build
-#   make bench           nanoseconds per call, next to the error
+#   make bench           nanoseconds per call, next to the error; other libraries beside
+#                        (ODE, Bullet, Box3D by cargo), as far as they are there
 #   make fuzz            TIME=60 seconds for each fuzz target; ENGINE=libfuzzer or afl
 #   make deps            install the Debian packages that demo and check need (both do so anyway)
 #   make abi golden      write the goldens of tests/abi and tests/golden anew
@@ -45,8 +46,8 @@ INSTALL_DATA ?= $(INSTALL) -m 644
 .DELETE_ON_ERROR:
 .SUFFIXES:
 .PHONY: all lib core install uninstall demo check run-check check-sanitize run-properties test-programs \
-        fuzz fuzz-targets bench bench-programs deps abi golden docs format format-check clean \
-        help FORCE
+        fuzz fuzz-targets bench bench-programs peers deps abi golden docs format format-check \
+        clean help FORCE
 ifneq ($(V),1)
 .SILENT:
 endif
@@ -85,9 +86,10 @@ $(error include/tribo/base.h does not state the version)
 endif
 
 HEADERS := $(wildcard include/tribo/*.h)
-# What libtribo adds to libtribo_core: shapes and their contacts.
-FULL_SOURCES := $(addprefix src/,broad.c clip.c closed.c collide.c convex.c hull.c mesh.c shape.c)
-FULL_LIBS := -lccd -lqhull_r
+# What libtribo adds to libtribo_core: shapes and their contacts, sparse factorisations.
+FULL := broad clip closed collide convex hull mesh shape sparse
+FULL_SOURCES := $(FULL:%=src/%.c)
+FULL_LIBS := -lccd -lqhull_r -lcholmod -lklu -lumfpack
 # Compiled once per instruction set.
 LANES_SOURCES := $(wildcard src/*_lanes.c)
 LIB_SOURCES := $(filter-out $(LANES_SOURCES) $(FULL_SOURCES),$(wildcard src/*.c))
@@ -209,7 +211,7 @@ $(TESTS): $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(SUPPORT_OBJECTS) $(FULL_STA
 	$(link) -lcmocka $(FULL_LIBS) -lm
 
 $(BENCHES): $(BUILD)/bench/%: $(BUILD)/obj/tests/bench/%.o $(SUPPORT_OBJECTS) $(FULL_STATIC) $(STATIC)
-	$(link) $(FULL_LIBS) -lm
+	$(link) $(FULL_LIBS) -ldl -lm
 
 $(RANDOMS): $(BUILD)/fuzz/%-random: $(BUILD)/obj/fuzz/%.o $(BUILD)/obj/fuzz/driver/random.o \
     $(FUZZ_OBJECTS) $(FULL_STATIC) $(STATIC)
@@ -303,7 +305,14 @@ check-sanitize:
 
 bench-programs: $(BENCHES)
 
-bench: bench-programs
+# Other libraries, for the benches alone; those that are not there are named as skipped.
+peers:
+	@echo "  PEERS   $(BUILD)/bench/peers"
+	CC='$(CC)' tests/bench/peers/build $(BUILD)/bench/peers
+
+bench:
+	.ci/deps bench
+	$(MAKE) --no-print-directory bench-programs peers
 	set -e; for bench in $(BENCHES); do $$bench; done
 
 # ---- fuzzing -------------------------------------------------------------------------------------

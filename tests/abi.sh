@@ -102,8 +102,8 @@ with_debug_info()
 
 types() # FILE LIBRARY
 {
-    abidw --headers-dir include --drop-private-types --no-show-locs --no-comp-dir-path \
-        --no-corpus-path --no-elf-needed --out-file "$1" "$2"
+    abidw --headers-dir include --exported-interfaces-only --drop-private-types --no-show-locs \
+        --no-comp-dir-path --no-corpus-path --no-elf-needed --out-file "$1" "$2"
 }
 
 # abidw keeps the paths of the sources as the compiler was given them: relative ones.

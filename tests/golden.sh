@@ -18,9 +18,9 @@ flags=(-std=c99 -ffp-contract=off -fno-math-errno -fno-trapping-math -fno-tree-s
 flags+=(-Iinclude -DTRIBO_BUILD)
 sources=()
 # libtribo_core alone: what needs other libraries cannot be built for every target
-full=" $(sed -n 's/^FULL_SOURCES := .*src\/,\(.*\))/\1/p' Makefile) "
+full=" $(sed -n 's/^FULL := //p' Makefile) "
 for source in src/*.c; do
-    [[ $source == *_lanes.c || $full == *" ${source#src/} "* ]] || sources+=("$source")
+    [[ $source == *_lanes.c || $full == *" $(basename "$source" .c) "* ]] || sources+=("$source")
 done
 echo 'int main(void) { return 0; }' >"$work/nothing.c"
 

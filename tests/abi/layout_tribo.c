@@ -5,6 +5,7 @@
 #include <tribo/broad.h>
 #include <tribo/collide.h>
 #include <tribo/shape.h>
+#include <tribo/sparse.h>
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -81,9 +82,31 @@ static void print_collide(void)
     FIELD(tribo_collide_info, mallocs);
 }
 
+static void print_sparse(void)
+{
+    CONSTANT(TRIBO_SPARSE_AUTO);
+    CONSTANT(TRIBO_SPARSE_SIMPLICIAL);
+    CONSTANT(TRIBO_SPARSE_SUPERNODAL);
+    TYPE(tribo_allocator);
+    FIELD(tribo_allocator, struct_size);
+    FIELD(tribo_allocator, reserved);
+    FIELD(tribo_allocator, allocate);
+    FIELD(tribo_allocator, release);
+    FIELD(tribo_allocator, user);
+    TYPE(tribo_sparse_info);
+    FIELD(tribo_sparse_info, struct_size);
+    FIELD(tribo_sparse_info, method);
+    FIELD(tribo_sparse_info, factorizations);
+    FIELD(tribo_sparse_info, analyses);
+    FIELD(tribo_sparse_info, solves);
+    FIELD(tribo_sparse_info, bytes);
+    FIELD(tribo_sparse_info, fill);
+}
+
 int main(void)
 {
     print_shape();
     print_collide();
+    print_sparse();
     return 0;
 }

@@ -1,0 +1,1 @@
+//! Nothing: the C library of the dependency is what is wanted.
