@@ -1384,6 +1384,53 @@ static void general_unsymmetric(property_trial *t)
     REQUIRE_AT_MOST(t, eta_of_full(full, q.b, mu, p), 1e-10 + 64.0 * EPS * q.condition);
 }
 
+static void turn_tangents(double angle, double *x, double *y)
+{
+    const double turned = cos(angle) * *x - sin(angle) * *y;
+    *y = sin(angle) * *x + cos(angle) * *y;
+    *x = turned;
+}
+
+/* Tangents along which bodies move up to 2^16 times less or more easily than along the normal, and
+ * a trace of skewness: never refused. */
+static void general_graded(property_trial *t)
+{
+    problem q;
+    double full[9];
+    double p[3];
+    double grade[3] = {1.0, 1.0, 1.0};
+    make_problem(t, 0, &q);
+    ASSUME(t, q.condition < 1e4);
+    full_matrix(q.w, full);
+    grade[1] = ldexp(1.0, make_exponent(t, -8, 8));
+    grade[2] = ldexp(1.0, make_exponent(t, -8, 8));
+    const double trace = make_positive(t, "skewness", -54, -1);
+    for (int i = 0; i < 3; i++) {
+        const int k = (i + 1) % 3;
+        const double turn = trace * sqrt(full[4 * i] * full[4 * k]) * make_signed(t, NULL);
+        full[3 * i + k] += turn;
+        full[3 * k + i] -= turn;
+    }
+    for (int i = 0; i < 9; i++) {
+        full[i] *= grade[i / 3] * grade[i % 3];
+    }
+    const double angle = 6.3 * make_unit(t, "angle");
+    for (int i = 0; i < 3; i++) {
+        q.b[i] *= grade[i];
+        turn_tangents(angle, full + 3 * i + 1, full + 3 * i + 2);
+    }
+    for (int i = 0; i < 3; i++) {
+        turn_tangents(angle, full + 3 + i, full + 6 + i);
+    }
+    turn_tangents(angle, q.b + 1, q.b + 2);
+    property_note(t, "full", full, 9);
+    REQUIRE_STATUS(t, tribo_contact_solve_general(full, q.b, q.mu_s, q.mu_d, p, NULL), TRIBO_OK);
+    if (q.mu_s == q.mu_d) {
+        REQUIRE_AT_MOST(t, norm2(p + 1), q.mu_s * p[0] * (1.0 + 8.0 * EPS));
+        REQUIRE_AT_MOST(t, eta_of_full(full, q.b, q.mu_s, p), 1e-10);
+    }
+}
+
 static void general_wild(property_trial *t)
 {
     problem q;
@@ -1775,6 +1822,28 @@ static void impact_routh_decoupled(property_trial *t)
     const double slack = 64.0 * EPS * reference_condition(q.w) * norm3(p[0]);
     REQUIRE_AT_MOST(t, distance3(p[0], p[1]), slack);
     REQUIRE_AT_MOST(t, distance3(p[0], p[2]), slack);
+}
+
+/* An approach so slow that it ends before slip has changed, and its square may be no double: (1 + e)
+ * |u_n| over the slope of u_n, whatever the hypothesis of restitution. */
+static void impact_slow(property_trial *t)
+{
+    impact q;
+    make_impact(t, TRIBO_LAW_ROUTH_NEWTON + make_choice(t, "law", 3), &q);
+    q.u[0] = -make_positive(t, "speed", -960, -200);
+    const double speed = norm2(q.u + 1);
+    ASSUME(t, speed > 0x1p-40);
+    const long double along =
+        (wide(q.w[1]) * wide(q.u[1]) + wide(q.w[2]) * wide(q.u[2])) / wide(speed);
+    const long double slope = wide(q.w[0]) - wide(q.pair.mu_d) * along;
+    ASSUME(t, slope > 0.01L * wide(q.w[0]));
+    const long double want = (1.0L + wide(q.pair.e)) * wide(-q.u[0]) / slope;
+    ASSUME(t, want * wide(norm3(q.w) + norm3(q.w + 3)) * (1.0L + wide(q.pair.mu_s)) <
+                  0x1p-80L * wide(speed));
+    REQUIRE_STATUS(t, strike(&q), TRIBO_OK);
+    REQUIRE(t, q.info.mode == TRIBO_MODE_SLIP);
+    const long double rounding = wide(q.w[0]) + wide(q.pair.mu_d) * wide(norm2(q.w + 1));
+    REQUIRE_NEAR(t, wide(q.p[0]) - want, 0.0, 16.0L * wide(EPS) * want * rounding / slope);
 }
 
 static void impact_frictionless(property_trial *t)
@@ -2891,6 +2960,8 @@ const property property_list[] = {
     {"friction_parts", friction_parts, 1},
     {"friction_force", friction_force, 1},
     {"friction_bad", friction_bad, 1},
+    {"general_graded", general_graded, 1},
+    {"impact_slow", impact_slow, 1},
 };
 const size_t property_count = PROPERTY_COUNT(property_list);
 const unsigned property_trials = 10000;
