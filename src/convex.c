@@ -18,9 +18,10 @@
  *   points by GJK (Gilbert, Johnson, Keerthi 1988), own, because libccd answers no distance query
  *   and its tolerances are absolute.
  * - A survey of all of M by an expanding polytope (van den Bergen 2001) says whether another local
- *   minimum lies deeper: a polytope within M bounds the least width from below. Own as well:
- *   libccd's ended early in one deep pair of twenty, compares squares of lengths, has no limit,
- *   and allocates. */
+ *   minimum lies deeper: a polytope within M bounds the least width from below. Round places would
+ *   need ever more facets; where a facet is near to M a search from its normal, or what is known
+ *   of the rise around the best minimum, settles what lies beyond. Own as well: libccd's ended
+ *   early in one deep pair of twenty, compares squares of lengths, has no limit, and allocates. */
 #include "pair.h"
 
 #include "rows.h"
@@ -32,22 +33,23 @@ enum {
     GJK_ROUNDS = 40,
     DESCENTS = 16,
     NEWTON_STEPS = 8,
-    EXPLORES = 16,
+    EXPLORED = 16, /* searches a survey may start, */
+    FEW = 3,       /* of which these give up early, */
+    CALLS = 1000,  /* and calls of M after which it starts none */
     POINTS = 100,
     FACETS = 2 * POINTS
 };
 
 #define SAME_WAY 0.99 /* cosine */
-#define SAME 1e-9 /* of the reach: by so much two supports may contradict each other */
+#define SAME 1e-9     /* of the reach: by so much two supports may contradict each other */
 
-/* How w rises around a local minimum: with the square of the way along `across` where M is smooth,
- * at once to both sides of a kink that runs along the first of them. */
+/* How w rises around a local minimum n where M is smooth, or smooth along a kink. */
 typedef struct basin {
     double n[3];
-    double across[2][3];
+    double across[2][3]; /* the kink runs along the first */
     double width;
-    double bend[3];    /* Hessian: 00, 01, 11 */
-    double slope[2];   /* per angle towards the second and away from it */
+    double bend[3];  /* Hessian: 00, 01, 11 */
+    double slope[2]; /* to both sides of the kink */
 } basin;
 
 typedef struct search {
@@ -64,9 +66,10 @@ typedef struct search {
     double rounding;  /* of a width */
     double normal[3]; /* direction of the least width seen */
     double width;
-    basin lowest;   /* of the local minima whose surroundings are known; width: infinite if none */
+    basin lowest;   /* of the minima whose surroundings are known; width: infinite if none is */
     uint64_t calls; /* of M; each is one of A and one of B */
     uint64_t limit; /* beyond this many libccd is told to stop */
+    int patient;    /* many directions are nearly as good: each is worth more work */
     int flat;       /* M is a polytope */
     int stopped;    /* it has been */
     int fault;      /* a support is not finite or contradicts another */
@@ -824,7 +827,7 @@ static int wide_polytope(search *s, polytope *x)
 }
 
 /* Whether the surroundings of the least width seen are known. */
-static int is_smooth(const search *s)
+static int is_known(const search *s)
 {
     return s->lowest.width <= s->width + s->rounding;
 }
@@ -836,7 +839,7 @@ static void ring(search *s, double p[3][3])
     static const double turn[3][2] = {{1.0, 0.0}, {-0.5, 0.75}, {-0.5, -0.75}};
     double f[9];
     basis_rows(s->normal[0], s->normal[1], s->normal[2], f);
-    const double delta = is_smooth(s) ? sqrt(0.006 * s->width / s->reach) : 1e-7;
+    const double delta = is_known(s) ? sqrt(0.006 * s->width / s->reach) : 1e-7;
     for (int i = 0; i < 3; i++) {
         double n[3];
         const double x = delta * turn[i][0];
@@ -875,6 +878,9 @@ typedef struct support_face {
     double p[3 * TRIBO_MAX_FACE]; /* world axes */
     double normal[3];             /* of the axis: from B to A */
     uint32_t count;
+    const tribo_shape *shape;
+    const double *r;
+    double sign; /* of the axis as the shape sees it */
 } support_face;
 
 static void face_of(const tribo_shape *shape, const double r[9], const double along[3], double sign,
@@ -885,6 +891,9 @@ static void face_of(const tribo_shape *shape, const double r[9], const double al
     double points[3 * TRIBO_MAX_FACE];
     uint32_t feature;
     rotate_back(r, along, sign, local);
+    face->shape = shape;
+    face->r = r;
+    face->sign = sign;
     face->count = shape_face(shape, local, points, normal, &feature);
     for (uint32_t i = 0; i < face->count; i++) {
         rotate(r, points + 3 * i, face->p + 3 * i);
@@ -921,30 +930,103 @@ static uint32_t edge(const support_face *face, uint32_t i, double e[3])
     return unit(e, e) ? 1 : 0;
 }
 
-/* Cross products of those edges of both faces that are square to the axis. */
+/* Directions in which w is kinked: those n with n . axis = along, a great circle square to an edge
+ * or, round a cone, the small circle square to its lines. */
+typedef struct crease {
+    double axis[3];
+    double along;
+} crease;
+
+/* The nearest of these directions. */
+static void onto(const crease *k, const double v[3], double n[3])
+{
+    double across[3];
+    const double along = dot(v, k->axis);
+    const double side = sqrt(1.0 - k->along * k->along);
+    for (int i = 0; i < 3; i++) {
+        across[i] = v[i] - along * k->axis[i];
+    }
+    (void)unit(across, across);
+    for (int i = 0; i < 3; i++) {
+        n[i] = k->along * k->axis[i] + side * across[i];
+    }
+}
+
+/* Crease i of a face: that of its edge, or of the line of a cone. Returns whether it is one and the
+ * axis lies on it but for `most`. */
+static int crease_of(const search *s, const support_face *x, uint32_t i, double most, crease *k)
+{
+    if (x->shape->type == TRIBO_SHAPE_CONE && x->count == 2) {
+        const double slant[3] = {x->shape->size[0], 2.0 * x->shape->size[1], 0.0};
+        double n[3];
+        (void)unit(slant, n);
+        k->along = n[0];
+        for (int c = 0; c < 3; c++) {
+            k->axis[c] = x->sign * x->r[3 * c + 2];
+        }
+    } else if (edge(x, i, k->axis)) {
+        k->along = 0.0;
+    } else {
+        return 0;
+    }
+    return absolute(dot(k->axis, s->normal) - k->along) <= most;
+}
+
+/* The crease of a face that is nearest to the axis; 0 if none is near. */
+static int nearest_crease(const search *s, const support_face *x, crease *best)
+{
+    double least = 0.1;
+    int found = 0;
+    for (uint32_t i = 0; i < x->count && x->count > 1; i++) {
+        crease k;
+        if (crease_of(s, x, i, least, &k)) {
+            least = absolute(dot(k.axis, s->normal) - k.along);
+            *best = k;
+            found = 1;
+        }
+    }
+    return found;
+}
+
+/* The direction that lies on two creases, of the two the one on the side of the axis; 0 if they do
+ * not meet there. */
+static int meeting(const search *s, const crease *k, const crease *l, double n[3])
+{
+    double c[3];
+    cross(k->axis, l->axis, c);
+    const double cosine = dot(k->axis, l->axis);
+    const double square = dot(c, c);
+    const double facing = dot(c, s->normal);
+    if (!(absolute(facing) > 1e-6)) {
+        return 0;
+    }
+    const double x = (k->along - cosine * l->along) / square;
+    const double y = (l->along - cosine * k->along) / square;
+    const double left = (1.0 - (x * k->along + y * l->along)) / square;
+    if (!(left >= 0.0)) {
+        return 0;
+    }
+    const double z = copysign(sqrt(left), facing);
+    for (int i = 0; i < 3; i++) {
+        n[i] = x * k->axis[i] + y * l->axis[i] + z * c[i];
+    }
+    return 1;
+}
+
+/* Where those creases of both faces meet on which the axis lies nearly. */
 static int prefer_edges(search *s, const support_face *a, const support_face *b)
 {
     const double square = 1e-3;
     for (uint32_t i = 0; i < a->count; i++) {
-        double ea[3];
-        if (!edge(a, i, ea) || absolute(dot(ea, s->normal)) > square) {
+        crease k;
+        if (!crease_of(s, a, i, square, &k)) {
             continue;
         }
         for (uint32_t j = 0; j < b->count; j++) {
-            double eb[3];
+            crease l;
             double n[3];
-            if (!edge(b, j, eb) || absolute(dot(eb, s->normal)) > square) {
-                continue;
-            }
-            cross(ea, eb, n);
-            const double facing = dot(n, s->normal);
-            if (absolute(facing) > 1e-6) {
-                for (int c = 0; c < 3; c++) {
-                    n[c] = copysign(1.0, facing) * n[c];
-                }
-                if (prefer(s, n)) {
-                    return 1;
-                }
+            if (crease_of(s, b, j, square, &l) && meeting(s, &k, &l, n) && prefer(s, n)) {
+                return 1;
             }
         }
     }
@@ -968,28 +1050,6 @@ static int snap(search *s)
            (a.count > 1 && b.count > 1 && prefer_edges(s, &a, &b));
 }
 
-/* Directions in which w is kinked: those n with n . axis = along, a great circle square to an edge
- * or, round a cone, the small circle square to its lines. */
-typedef struct crease {
-    double axis[3];
-    double along;
-} crease;
-
-/* The nearest of these directions. */
-static void onto(const crease *k, const double v[3], double n[3])
-{
-    double across[3];
-    const double along = dot(v, k->axis);
-    const double side = sqrt(1.0 - k->along * k->along);
-    for (int i = 0; i < 3; i++) {
-        across[i] = v[i] - along * k->axis[i];
-    }
-    (void)unit(across, across);
-    for (int i = 0; i < 3; i++) {
-        n[i] = k->along * k->axis[i] + side * across[i];
-    }
-}
-
 /* The way along them. */
 static void tangent(const crease *k, const double n[3], double t[3])
 {
@@ -997,42 +1057,31 @@ static void tangent(const crease *k, const double n[3], double t[3])
     (void)unit(t, t);
 }
 
-static void turn_onto(const crease *k, const double n[3], const double t[3], double x, double out[3])
+static void turn_onto(const crease *k, const double n[3], const double t[3], double x,
+                      double out[3])
 {
     double v[3];
     turn(n, t, x, v);
     onto(k, v, out);
 }
 
-/* The kink of the edge of a face that is the squarest to the axis; 0 if none is nearly so. */
-static int edge_crease(const search *s, const support_face *face, crease *k)
+/* A step downhill along a kink where Newton's would lead astray. Returns whether there is one. */
+static int stride(search *s, const crease *k, const double t[3], double slope, double n[3],
+                  double p[3], double *width)
 {
-    double least = 0.1;
-    k->along = 0.0;
-    for (uint32_t i = 0; i < face->count && face->count > 1; i++) {
-        double e[3];
-        if (edge(face, i, e) && absolute(dot(e, s->normal)) < least) {
-            least = absolute(dot(e, s->normal));
-            copy(e, k->axis);
+    for (double x = copysign(0.5, 0.0 - slope); absolute(x) > 1e-3; x *= 0.25) {
+        double m[3];
+        double q[3];
+        turn_onto(k, n, t, x, m);
+        const double found = support(s, m, q);
+        if (found < *width - s->rounding) {
+            copy(m, n);
+            copy(q, p);
+            *width = found;
+            return 1;
         }
     }
-    return least < 0.1;
-}
-
-static int crease_of(const search *s, const tribo_shape *shape, const double r[9], double sign,
-                   const support_face *face, crease *k)
-{
-    if (shape->type != TRIBO_SHAPE_CONE || face->count != 2) {
-        return edge_crease(s, face, k);
-    }
-    const double slant[3] = {shape->size[0], 2.0 * shape->size[1], 0.0};
-    double n[3];
-    (void)unit(slant, n);
-    k->along = n[0];
-    for (int i = 0; i < 3; i++) {
-        k->axis[i] = sign * r[3 * i + 2];
-    }
-    return absolute(dot(k->axis, s->normal) - k->along) < 0.1;
+    return 0;
 }
 
 /* Newton along a kink, where w is smooth. Returns the bend of w there; 0 if it did not end in a
@@ -1050,11 +1099,13 @@ static double along_ridge(search *s, const crease *k, double n[3])
         const double delta = lesser(greater(0.01 * absolute(slope) / s->small, 1e-6), 1e-3);
         turn_onto(k, n, t, delta, m);
         (void)support(s, m, q);
-        const double inward =
-            (width - k->along * dot(p, k->axis)) / (1.0 - k->along * k->along);
+        const double inward = (width - k->along * dot(p, k->axis)) / (1.0 - k->along * k->along);
         const double bend = (dot(q, t) - slope) / delta - inward;
         if (!(bend > 1e-6 * s->small) || absolute(slope) > 0.5 * bend) {
-            return 0.0;
+            if (!s->patient || !stride(s, k, t, slope, n, p, &width)) {
+                return 0.0;
+            }
+            continue;
         }
         const double gain = 0.5 * slope * slope / bend;
         if (gain <= 0.25 * s->rounding) {
@@ -1117,8 +1168,8 @@ static int climb_ridges(search *s)
     support_face b;
     crease k;
     faces_of(s, &a, &b);
-    return (crease_of(s, s->pair->a, s->pair->ra, -1.0, &a, &k) && ridge(s, &k)) ||
-           (crease_of(s, s->pair->b, s->pair->rb, 1.0, &b, &k) && ridge(s, &k));
+    return (nearest_crease(s, &a, &k) && ridge(s, &k)) ||
+           (nearest_crease(s, &b, &k) && ridge(s, &k));
 }
 
 /* ---- the search ------------------------------------------------------------------------------ */
@@ -1154,7 +1205,9 @@ static void begin(search *s, const pair_query *pair)
     s->reach = (outer[0] + outer[1]) * s->scale;
     s->rounding = 4.0 * TRIBO_EPS * s->reach;
     s->width = HUGE_VAL;
+    memset(&s->lowest, 0, sizeof s->lowest);
     s->lowest.width = HUGE_VAL;
+    s->patient = 0;
     s->calls = 0;
     s->limit = 0;
     s->stopped = 0;
@@ -1200,77 +1253,91 @@ static int nearest_facet(const polytope *x)
     return best;
 }
 
-/* Whether the lowest local minimum explains the width along a direction near it. */
+/* Whether what is known around the least width explains the width along a direction. */
 static int explains(const search *s, const double n[3], double width)
 {
     const basin *at = &s->lowest;
     const double along = dot(n, at->n);
+    if (!is_known(s) || !(along > SAME_WAY)) {
+        return 0;
+    }
     const double x = dot(n, at->across[0]) / along;
     const double y = dot(n, at->across[1]) / along;
     const double rise = 0.5 * (at->bend[0] * x * x + at->bend[2] * y * y) + at->bend[1] * x * y +
                         at->slope[y > 0.0 ? 0 : 1] * y;
-    return along > SAME_WAY && absolute(width - at->width - rise) <= 0.25 * rise + 4.0 * s->rounding;
+    return absolute(width - at->width - rise) <= 0.25 * rise + 4.0 * s->rounding;
 }
 
-/* Whether the polytope is so near to M beyond a facet that a search from its normal finds what is
- * lower there. */
+/* Whether M is so near beyond a facet that a search from there finds what is lower. A polytope is
+ * better followed to its end, and so is a kink of which nothing is known. */
 static int is_near(const search *s, const facet *f)
 {
-    const int known = is_smooth(s) && dot(f->n, s->lowest.n) > SAME_WAY;
-    return !s->flat && f->d >= (known ? 0.995 : 0.9999) * s->width;
+    const double share = !is_known(s)                        ? 0.9999999
+                         : dot(f->n, s->lowest.n) > SAME_WAY ? 0.995
+                                                             : 0.9999;
+    return !s->flat && f->d >= share * s->width;
 }
 
+/* A search from one direction; the best known stays if it finds nothing better. */
 static void explore(search *s, const double n[3])
 {
-    double p[3];
     double known[3];
     const double width = s->width;
     copy(s->normal, known);
     s->width = HUGE_VAL;
-    (void)support(s, n, p);
+    probe(s, n);
     settle(s);
+    (void)snap(s);
     if (!(s->width < width)) {
         s->width = width;
         copy(known, s->normal);
     }
 }
 
+/* Settles what lies beyond a facet whose normal has this width. Returns 0 where that is too much
+ * work. */
+static int look_beyond(search *s, facet *f, double width, int *explored)
+{
+    f->explored = 1;
+    if (explains(s, f->n, width)) {
+        return 1;
+    }
+    if (*explored == EXPLORED || s->calls > CALLS) {
+        return 0;
+    }
+    s->patient = *explored >= FEW;
+    explore(s, f->n);
+    ++*explored;
+    return 1;
+}
+
 enum { SURVEY_FAILED, SURVEY_NEAR, SURVEY_EXACT };
 
 /* Looks at M where the polytope in it comes nearest to the origin, until that is as far as the
- * least width. EXACT if it is so to rounding: then that is the least of all. */
+ * least width. EXACT if it is so everywhere: then that is the least of all. */
 static int survey(search *s)
 {
     polytope x;
     int explored = 0;
-    int near = 0;
+    int outcome = SURVEY_EXACT;
     if (!first_polytope(s, &x)) {
         return SURVEY_FAILED;
     }
     while (!s->fault && !apart(s)) {
         double p[3];
         const int at = nearest_facet(&x);
-        if (at < 0) {
-            return near > 0 ? SURVEY_NEAR : SURVEY_FAILED;
+        if (at < 0 || s->width - x.f[at].d <= greater(16.0 * s->rounding, 1e-10 * s->width)) {
+            return outcome;
         }
         facet *f = &x.f[at];
-        if (s->width - f->d <= greater(s->rounding, 1e-10 * s->width)) {
-            return near > 0 ? SURVEY_NEAR : SURVEY_EXACT;
-        }
         const double width = support(s, f->n, p);
         s->fault |= width < f->d - SAME * s->reach;
-        if (is_near(s, f)) {
-            f->explored = 1;
-            near++;
-            if (!explains(s, f->n, width)) {
-                if (explored++ == EXPLORES) {
-                    return SURVEY_NEAR;
-                }
-                explore(s, f->n);
+        if (x.points == POINTS || is_near(s, f)) {
+            outcome = SURVEY_NEAR;
+            if (!look_beyond(s, f, width, &explored)) {
+                return SURVEY_FAILED;
             }
-            continue;
-        }
-        if (width - f->d > s->rounding && !grow(&x, at, p, s->rounding)) {
+        } else if (width - f->d > s->rounding && !grow(&x, at, p, s->rounding)) {
             return SURVEY_FAILED;
         }
     }
@@ -1292,6 +1359,17 @@ static void look_around(search *s, int kink)
     }
 }
 
+/* Bones that nearly touch: M comes so near to the origin that what was moved by much more says
+ * little of it. */
+static void meet_bones(search *s)
+{
+    static const double none[3] = {0.0, 0.0, 0.0};
+    simplex x;
+    x.count = 1;
+    (void)support(s, s->normal, x.p[0]);
+    (void)approach(s, &x, none, HUGE_VAL);
+}
+
 static void least_width(search *s)
 {
     first_look(s);
@@ -1309,6 +1387,9 @@ static void least_width(search *s)
     const double width = s->width;
     if (width > 64.0 * s->rounding && !s->fault) {
         look_around(s, kink);
+    }
+    if (s->radius > 0.0 && absolute(s->width) < 0.1 * s->inner && !s->fault && !apart(s)) {
+        meet_bones(s);
     }
     if (!s->fault && !apart(s) && (!kink || s->width < width)) {
         (void)snap(s);

@@ -50,6 +50,8 @@ typedef struct class_tally {
     uint64_t capped;
     uint64_t beaten;  /* the truth was not the least */
     uint64_t refuted; /* and should have been: it was exact */
+    uint64_t loose;   /* longer than the least way by more than 1e-6 of the depth */
+    uint64_t rough;   /* 1e-9 */
     double supports;
     double most_supports;
     double worst;       /* share of the depth */
@@ -122,6 +124,8 @@ static void judge(pairs_pair *pair, uint64_t index, class_tally *sum)
     sum->tribo.pairs++;
     sum->tribo.missed += status != TRIBO_OK || !(excess < HUGE_VAL);
     sum->tribo.endless += (double)info.supports > 2.0 * far_calls;
+    sum->loose += excess <= 1e-6 ? 0 : 1;
+    sum->rough += excess <= 1e-9 ? 0 : 1;
     if (!(excess <= wrong)) {
         sum->tribo.wrong++;
         sum->by_kind[pair->kind[0]][pair->kind[1]]++;
@@ -196,6 +200,12 @@ static void finds_the_least_way_in_every_class(void **state)
         do_class(&pairs_classes[k], count, &sum);
         bad += sum.tribo.wrong + sum.tribo.missed + sum.tribo.endless + sum.refuted;
         assert_true(sum.worst_depth <= 1e-9);
+        if (pairs_classes[k].arrangement == PAIRS_CONCENTRIC) {
+            print_message("#   longer than the least way by 1e-9 of it: %llu, by 1e-6: %llu\n",
+                          (unsigned long long)sum.rough, (unsigned long long)sum.loose);
+            assert_true(sum.rough <= 5 + count / 400 && sum.loose <= 3 + count / 2000);
+            assert_true(sum.worst <= 5e-3);
+        }
     }
     assert_int_equal(bad, 0);
 }
