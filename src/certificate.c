@@ -1,0 +1,267 @@
+#include "certificate.h"
+
+#include "cone.h"
+
+/* ---- velocities ------------------------------------------------------------------------------ */
+
+static void add_impulse(const double *frame, const double *turn, double sign, const double r[3],
+                        double *sum)
+{
+    for (int k = 0; k < 3; k++) {
+        sum[k] += sign * (frame[k] * r[0] + frame[3 + k] * r[1] + frame[6 + k] * r[2]);
+        sum[3 + k] += sign * (turn[k] * r[0] + turn[3 + k] * r[1] + turn[6 + k] * r[2]);
+    }
+}
+
+static void add_velocity(const double *frame, const double *turn, double sign, const double *dv,
+                         double *u)
+{
+    for (int k = 0; k < 3; k++) {
+        const double *f = frame + 3 * k;
+        const double *t = turn + 3 * k;
+        u[k] += sign * (f[0] * dv[0] + f[1] * dv[1] + f[2] * dv[2] +
+                        (t[0] * dv[3] + t[1] * dv[4] + t[2] * dv[5]));
+    }
+}
+
+/* dv = M^-1 dv, in place. */
+static void divide_by_mass(const system_problem *p, double *dv)
+{
+    for (uint32_t i = 0; i < p->bodies; i++) {
+        const double m = p->inverse_mass[i];
+        const double *j = p->inverse_inertia + 6 * (size_t)i;
+        double *d = dv + 6 * (size_t)i;
+        const double x = d[3];
+        const double y = d[4];
+        const double z = d[5];
+        d[0] *= m;
+        d[1] *= m;
+        d[2] *= m;
+        d[3] = j[0] * x + j[1] * y + j[2] * z;
+        d[4] = j[1] * x + j[3] * y + j[4] * z;
+        d[5] = j[2] * x + j[4] * y + j[5] * z;
+    }
+}
+
+static void velocity_of_bodies(const system_problem *p, const double *r, double *dv, double *u)
+{
+    for (size_t i = 0; i < 6 * (size_t)p->bodies; i++)
+        dv[i] = 0.0;
+    for (size_t c = 0; c < p->count; c++) {
+        const uint32_t *pair = p->pairs + 2 * c;
+        if (pair[0] != TRIBO_WORLD)
+            add_impulse(p->frames + 9 * c, p->turns + 18 * c, 1.0, r + 3 * c,
+                        dv + 6 * (size_t)pair[0]);
+        if (pair[1] != TRIBO_WORLD)
+            add_impulse(p->frames + 9 * c, p->turns + 18 * c + 9, -1.0, r + 3 * c,
+                        dv + 6 * (size_t)pair[1]);
+    }
+    divide_by_mass(p, dv);
+    for (size_t c = 0; c < p->count; c++) {
+        const uint32_t *pair = p->pairs + 2 * c;
+        double change[3] = {0.0, 0.0, 0.0};
+        if (pair[0] != TRIBO_WORLD)
+            add_velocity(p->frames + 9 * c, p->turns + 18 * c, 1.0, dv + 6 * (size_t)pair[0],
+                         change);
+        if (pair[1] != TRIBO_WORLD)
+            add_velocity(p->frames + 9 * c, p->turns + 18 * c + 9, -1.0, dv + 6 * (size_t)pair[1],
+                         change);
+        for (int k = 0; k < 3; k++)
+            u[3 * c + (size_t)k] = p->q[3 * c + (size_t)k] + change[k];
+    }
+}
+
+static void velocity_of_blocks(const system_problem *p, const double *r, double *u)
+{
+    for (size_t c = 0; c < p->count; c++) {
+        double sum[3] = {0.0, 0.0, 0.0};
+        for (size_t k = p->row_starts[c]; k < p->row_starts[c + 1]; k++) {
+            const double *w = p->blocks + 9 * k;
+            const double *x = r + 3 * (size_t)p->columns[k];
+            sum[0] += w[0] * x[0] + w[1] * x[1] + w[2] * x[2];
+            sum[1] += w[3] * x[0] + w[4] * x[1] + w[5] * x[2];
+            sum[2] += w[6] * x[0] + w[7] * x[1] + w[8] * x[2];
+        }
+        for (size_t k = 0; k < 3; k++)
+            u[3 * c + k] = p->q[3 * c + k] + sum[k];
+    }
+}
+
+void certificate_velocity(const system_problem *problem, const double *r, double *dv, double *u)
+{
+    if (problem->bodies != 0)
+        velocity_of_bodies(problem, r, dv, u);
+    else
+        velocity_of_blocks(problem, r, u);
+}
+
+/* ---- measures of one contact ----------------------------------------------------------------- */
+
+typedef struct measured {
+    double eta, signorini, cone, misalignment;
+} measured;
+
+static double length3(const double x[3])
+{
+    return sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+}
+
+static double greatest_diagonal(const double w[9])
+{
+    return greater(w[0], greater(w[4], w[8]));
+}
+
+/* |x - P_K(x - y)|, y = scale (u + mu |u_t| e_n). */
+static double natural_map(const double x[3], double scale, const double u[3], double mu)
+{
+    const double bent = u[0] + mu * planar_length(u[1], u[2]);
+    const double moved[3] = {x[0] - scale * bent, x[1] - scale * u[1], x[2] - scale * u[2]};
+    double projected[3];
+
+    cone_project(moved, mu, projected);
+    for (int k = 0; k < 3; k++)
+        projected[k] = x[k] - projected[k];
+    return length3(projected);
+}
+
+/* The impulse that a coefficient fits: one inside mu_d's cone is judged by mu_d, one outside of it
+ * by mu_s. */
+static double fitting(const double r[3], const double mu[2])
+{
+    return mu[0] > mu[1] && planar_length(r[1], r[2]) > mu[1] * r[0] ? mu[0] : mu[1];
+}
+
+/* Beyond mu_d's cone only sticking is allowed: the distance from it, or from the cone, whichever is
+ * nearer. */
+static double forbidden(const double r[3], const double u[3], const double mu[2], double v,
+                        double p)
+{
+    const double beyond = planar_length(r[1], r[2]) - mu[1] * r[0];
+    return mu[0] > mu[1] && beyond > 0.0 ? lesser(beyond / p, planar_length(u[1], u[2]) / v) : 0.0;
+}
+
+static measured measure_contact(const system_problem *problem, size_t c, const double *r,
+                                const double *u)
+{
+    const double *w = problem->diagonal + 9 * c;
+    const double *mu = problem->mu + 2 * c;
+    const double most = greatest_diagonal(w);
+    measured out = {0.0, 0.0, 0.0, 0.0};
+    double alone[3];
+    double force[3];
+
+    for (int k = 0; k < 3; k++) {
+        const double *row = w + 3 * k;
+        alone[k] = u[k] - (row[0] * r[0] + row[1] * r[1] + row[2] * r[2]);
+        force[k] = absolute(row[0] * r[0]) + absolute(row[1] * r[1]) + absolute(row[2] * r[2]);
+    }
+    const double v = length3(alone) + length3(force);
+    const double p = v / most;
+    if (v == 0.0)
+        return out;
+    const double fit = fitting(r, mu);
+    const double slip = planar_length(u[1], u[2]);
+    const double twist[3] = {slip * r[1] + fit * r[0] * u[1], slip * r[2] + fit * r[0] * u[2], 0.0};
+    out.eta = natural_map(r, 1.0 / (most * greater(1.0, fit)), u, fit) / p;
+    out.eta = greater(out.eta, forbidden(r, u, mu, v, p));
+    out.signorini = absolute(lesser(u[0] / v, r[0] / p));
+    out.cone = greater(0.0, planar_length(r[1], r[2]) - mu[0] * r[0]) / p;
+    out.misalignment = fit > 0.0 ? length3(twist) / (p * v) : 0.0;
+    return out;
+}
+
+/* ---- measures of a system -------------------------------------------------------------------- */
+
+static double squared_map(const system_problem *problem, double sigma, const double *r,
+                          const double *u)
+{
+    double sum = 0.0;
+
+    for (size_t c = 0; c < problem->count; c++) {
+        const double *own = r + 3 * c;
+        const double scaled[3] = {sigma * own[0], sigma * own[1], sigma * own[2]};
+        const double map = natural_map(scaled, 1.0, u + 3 * c, fitting(own, problem->mu + 2 * c));
+        sum += map * map;
+    }
+    return sum;
+}
+
+static double greatest_eta(const system_problem *problem, const double *r, const double *u)
+{
+    double most = 0.0;
+
+    for (size_t c = 0; c < problem->count; c++) {
+        const double eta = measure_contact(problem, c, r + 3 * c, u + 3 * c).eta;
+        if (!(eta <= most))
+            most = eta;
+    }
+    return most;
+}
+
+double certificate_distance(const system_problem *problem, const goal *wanted, const double *r,
+                            const double *u)
+{
+    if (wanted->measure == TRIBO_MEASURE_ETA)
+        return greatest_eta(problem, r, u) / wanted->tolerance;
+    const double map = sqrt(squared_map(problem, wanted->sigma, r, u));
+    return map == 0.0 ? 0.0 : map / wanted->limit;
+}
+
+static double length(size_t count, const double *x)
+{
+    double sum = 0.0;
+
+    for (size_t i = 0; i < count; i++)
+        sum += x[i] * x[i];
+    return sqrt(sum);
+}
+
+static double mean_diagonal(const system_problem *problem)
+{
+    double sum = 0.0;
+
+    for (size_t c = 0; c < problem->count; c++) {
+        const double *w = problem->diagonal + 9 * c;
+        sum += w[0] + w[4] + w[8];
+    }
+    return problem->count != 0 ? sum / (3.0 * (double)problem->count) : 0.0;
+}
+
+void certificate_write(const system_problem *problem, const double *r, const double *u,
+                       tribo_system_info *info)
+{
+    const size_t numbers = 3 * (size_t)problem->count;
+    const double q_size = length(numbers, problem->q);
+    double squares = 0.0;
+
+    info->eta = info->signorini = info->cone = info->misalignment = 0.0;
+    for (size_t c = 0; c < problem->count; c++) {
+        const double *own = r + 3 * c;
+        const measured m = measure_contact(problem, c, own, u + 3 * c);
+        squares += m.eta * m.eta;
+        info->eta = greater(info->eta, m.eta);
+        info->signorini = greater(info->signorini, m.signorini);
+        info->cone = greater(info->cone, m.cone);
+        info->misalignment = greater(info->misalignment, m.misalignment);
+    }
+    info->eta_rms = problem->count != 0 ? sqrt(squares / (double)problem->count) : 0.0;
+    const double map = sqrt(squared_map(problem, mean_diagonal(problem), r, u));
+    info->invariant = q_size > 0.0 ? map / q_size : 0.0;
+    const double unit = sqrt(squared_map(problem, 1.0, r, u));
+    const double size = greater(q_size, greater(length(numbers, r), length(numbers, u)));
+    info->siconos = size > TRIBO_EPS ? unit / size : unit;
+}
+
+void certificate_energy(const system_problem *problem, const double *r, const double *u,
+                        tribo_system_info *info)
+{
+    info->energy = info->energy_scale = 0.0;
+    for (size_t c = 0; c < problem->count; c++) {
+        const double *own = r + 3 * c;
+        const double *before = problem->q + 3 * c;
+        const double *after = u + 3 * c;
+        for (int k = 0; k < 3; k++)
+            info->energy += 0.5 * own[k] * (before[k] + after[k]);
+        info->energy_scale += 0.5 * length3(own) * (length3(before) + length3(after));
+    }
+}

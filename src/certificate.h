@@ -1,0 +1,30 @@
+/* Velocities that impulses give, and how far both are from the laws of contact. */
+#ifndef TRIBO_CERTIFICATE_H
+#define TRIBO_CERTIFICATE_H
+
+#include "system.h"
+
+/* What a solver shall reach. */
+typedef struct goal {
+    uint32_t measure;
+    double tolerance; /* ETA: greatest eta of a contact */
+    double sigma;     /* INVARIANT: velocity per impulse ... */
+    double limit;     /* ... and greatest sqrt(sum |s r - P_K(s r - u')|^2), m/s */
+} goal;
+
+/* u = q + W r. Bodies form: also dv = M^-1 J^T r, 6 per body; the assembled form has none. */
+void certificate_velocity(const system_problem *problem, const double *r, double *dv, double *u);
+
+/* The measure over the goal's bound: 1 or less is there. */
+double certificate_distance(const system_problem *problem, const goal *wanted, const double *r,
+                            const double *u);
+
+/* Write the measures of impulses to info; the rest of it is left as it is. */
+void certificate_write(const system_problem *problem, const double *r, const double *u,
+                       tribo_system_info *info);
+
+/* Write the change of energy and its scale. */
+void certificate_energy(const system_problem *problem, const double *r, const double *u,
+                        tribo_system_info *info);
+
+#endif

@@ -1,0 +1,764 @@
+#include "newton.h"
+
+#include "cone.h"
+#include "dense.h"
+
+/* One setting for all problems. */
+#define FIRST_ALPHA 1e-2 /* of the mean |W_cc| */
+#define LEAST_ALPHA 1e-14
+#define INNER_STEPS 30
+#define INNER_SHARE 1e-2  /* of the outer residual: where a proximal step is solved */
+#define QUICK_STEPS 10    /* fewer: alpha may fall */
+#define LEAST_LENGTH 1e-3 /* of a Newton step */
+#define PATIENCE 60       /* proximal steps without progress */
+
+enum { OPEN, SLIP, STICK };
+
+struct newton {
+    const system_problem *problem;
+    double alpha;
+
+    double *r, *center, *u, *f;       /* where we are: 3 per contact */
+    double *next_r, *next_u, *next_f; /* where a step would lead */
+    double *step, *moved, *best;      /* dr, a scratch, and the best impulses */
+    double *gain;                     /* g_c */
+    double *dv;                       /* 6 per body */
+    double *slope, *own;              /* P E and A = g (1 - P) + alpha P E: 9 per contact */
+    uint8_t *mode, *next_mode;
+
+    double *half;    /* bodies: J M^-1/2, 36 per contact */
+    double *root;    /* bodies: M^-1/2 of inertia, lower triangle, 6 per body */
+    uint32_t *place; /* bodies: where the blocks aa, ab, ba, bb start; assembled: first row */
+    uint32_t *starts, *neighbours; /* bodies: block rows */
+
+    uint32_t *row_starts, *columns; /* the matrix: rows of scalars, or dense */
+    double *values, *x, *dense;
+    uint32_t *pivots;
+};
+
+/* ---- memory ---------------------------------------------------------------------------------- */
+
+static uint32_t unknowns(uint32_t count, uint32_t bodies)
+{
+    return bodies != 0 ? 6 * bodies : 3 * count;
+}
+
+uint32_t newton_possible(uint32_t count, uint32_t bodies, const newton_run *run)
+{
+    return run->linear != NULL || unknowns(count, bodies) <= run->dense_limit;
+}
+
+static double *numbers(arena *a, size_t count)
+{
+    return arena_take(a, count, sizeof(double));
+}
+
+static void take_state(newton *n, arena *a, size_t count, uint32_t bodies)
+{
+    double **each[] = {&n->r,      &n->center, &n->u,    &n->f,     &n->next_r,
+                       &n->next_u, &n->next_f, &n->step, &n->moved, &n->best};
+    for (size_t i = 0; i < sizeof each / sizeof *each; i++)
+        *each[i] = numbers(a, 3 * count);
+    n->gain = numbers(a, count);
+    n->dv = numbers(a, 6 * (size_t)bodies);
+    n->slope = numbers(a, 9 * count);
+    n->own = numbers(a, 9 * count);
+    n->mode = arena_take(a, count, 1);
+    n->next_mode = arena_take(a, count, 1);
+    n->place = arena_take(a, 4 * count + 1, sizeof(uint32_t));
+}
+
+static void take_matrix(newton *n, arena *a, uint32_t rows, size_t entries, const newton_run *run)
+{
+    const uint32_t small = rows < run->dense_limit ? rows : run->dense_limit;
+
+    n->x = numbers(a, rows);
+    n->dense = numbers(a, small * dense_stride(small));
+    n->pivots = arena_take(a, small, sizeof(uint32_t));
+    if (run->linear == NULL || rows <= small)
+        return;
+    n->row_starts = arena_take(a, (size_t)rows + 1, sizeof(uint32_t));
+    n->columns = arena_take(a, entries, sizeof(uint32_t));
+    n->values = numbers(a, entries);
+}
+
+newton *newton_take(arena *a, uint32_t count, uint32_t bodies, size_t links, const newton_run *run)
+{
+    newton counted = {0};
+    newton *taken = arena_take(a, 1, sizeof *taken);
+    newton *n = taken != NULL ? taken : &counted;
+
+    *n = counted;
+    take_state(n, a, count, bodies);
+    if (bodies != 0) {
+        n->half = numbers(a, 36 * (size_t)count);
+        n->root = numbers(a, 6 * (size_t)bodies);
+        n->starts = arena_take(a, (size_t)bodies + 2, sizeof(uint32_t));
+        n->neighbours = arena_take(a, links + bodies, sizeof(uint32_t));
+        take_matrix(n, a, 6 * bodies, 36 * (links + bodies), run);
+    } else {
+        take_matrix(n, a, 3 * count, 9 * links, run);
+    }
+    return taken;
+}
+
+/* ---- natural map ----------------------------------------------------------------------------- */
+
+static double coefficient(const newton *n, size_t c)
+{
+    return n->problem->mu[2 * c];
+}
+
+/* F of one contact; `bent` receives u + alpha (r - center). */
+static uint32_t map_contact(const newton *n, size_t c, const double *r, const double *u, double *f,
+                            double bent[3], double y[3])
+{
+    const double g = n->gain[c];
+    const double mu = coefficient(n, c);
+    double projected[3];
+
+    for (size_t k = 0; k < 3; k++) {
+        bent[k] = u[k] + n->alpha * (r[k] - n->center[3 * c + k]);
+        y[k] = g * r[k] - bent[k];
+    }
+    const double slip = sqrt(bent[1] * bent[1] + bent[2] * bent[2]);
+    y[0] -= mu * slip;
+    cone_project(y, mu, projected);
+    for (int k = 0; k < 3; k++)
+        f[k] = g * r[k] - projected[k];
+    if (projected[0] == 0.0)
+        return OPEN;
+    return projected[0] == y[0] && projected[1] == y[1] && projected[2] == y[2] ? STICK : SLIP;
+}
+
+static double map_all(newton *n, const double *r, const double *u, double *f, uint8_t *mode)
+{
+    double sum = 0.0;
+
+    for (size_t c = 0; c < n->problem->count; c++) {
+        double bent[3];
+        double y[3];
+        double *own = f + 3 * c;
+        mode[c] = (uint8_t)map_contact(n, c, r + 3 * c, u + 3 * c, own, bent, y);
+        sum += own[0] * own[0] + own[1] * own[1] + own[2] * own[2];
+    }
+    return sqrt(sum);
+}
+
+/* P, the derivative of the projection at y. */
+static void derivative(uint32_t mode, const double y[3], double mu, double p[9])
+{
+    const double t = sqrt(y[1] * y[1] + y[2] * y[2]);
+    const double share = 1.0 / (1.0 + mu * mu);
+
+    for (int i = 0; i < 9; i++)
+        p[i] = mode == STICK && i % 4 == 0 ? 1.0 : 0.0;
+    if (mode != SLIP)
+        return;
+    const double h1 = t > 0.0 ? y[1] / t : 0.0;
+    const double h2 = t > 0.0 ? y[2] / t : 0.0;
+    const double across = t > 0.0 ? mu * share * (mu * t + y[0]) / t : 0.0;
+    const double along = mu * mu * share;
+    p[0] = share;
+    p[1] = p[3] = mu * share * h1;
+    p[2] = p[6] = mu * share * h2;
+    p[4] = along * h1 * h1 + across * h2 * h2;
+    p[5] = p[7] = (along - across) * h1 * h2;
+    p[8] = along * h2 * h2 + across * h1 * h1;
+}
+
+/* slope = P E, own = g (1 - P) + alpha P E, E the derivative of u' by u. */
+static void linearize(newton *n)
+{
+    for (size_t c = 0; c < n->problem->count; c++) {
+        const double mu = coefficient(n, c);
+        double bent[3];
+        double y[3];
+        double f[3];
+        double p[9];
+        double *slope = n->slope + 9 * c;
+        double *own = n->own + 9 * c;
+        const uint32_t mode = map_contact(n, c, n->r + 3 * c, n->u + 3 * c, f, bent, y);
+        const double slip = sqrt(bent[1] * bent[1] + bent[2] * bent[2]);
+        const double e1 = slip > 0.0 ? mu * bent[1] / slip : 0.0;
+        const double e2 = slip > 0.0 ? mu * bent[2] / slip : 0.0;
+        derivative(mode, y, mu, p);
+        for (int i = 0; i < 3; i++) {
+            slope[3 * i] = p[3 * i];
+            slope[3 * i + 1] = p[3 * i + 1] + p[3 * i] * e1;
+            slope[3 * i + 2] = p[3 * i + 2] + p[3 * i] * e2;
+        }
+        for (int i = 0; i < 9; i++)
+            own[i] = n->gain[c] * ((i % 4 == 0 ? 1.0 : 0.0) - p[i]) + n->alpha * slope[i];
+    }
+}
+
+static void apply3(const double a[9], const double x[3], double out[3])
+{
+    for (int i = 0; i < 3; i++)
+        out[i] = a[3 * i] * x[0] + a[3 * i + 1] * x[1] + a[3 * i + 2] * x[2];
+}
+
+/* ---- factorisation --------------------------------------------------------------------------- */
+
+static uint32_t is_dense(const newton *n, uint32_t rows, const newton_run *run)
+{
+    (void)n;
+    return rows <= run->dense_limit;
+}
+
+/* Solve for x in place: the matrix stands in `dense` or in the rows of scalars. */
+static int eliminate(newton *n, uint32_t rows, newton_run *run)
+{
+    if (rows == 0)
+        return 1;
+    run->factorizations++;
+    if (is_dense(n, rows, run)) {
+        if (!dense_lu(run->isa, rows, n->dense, n->pivots))
+            return 0;
+        dense_lu_solve(run->isa, rows, n->dense, n->pivots, n->x);
+        return 1;
+    }
+    tribo_status status =
+        run->linear->factor(run->linear->context, rows, n->row_starts, n->columns, n->values, 0);
+    if (status == TRIBO_OK)
+        status = run->linear->solve(run->linear->context, n->x);
+    if (status != TRIBO_OK && status != TRIBO_ERROR_CONTACT_MATRIX)
+        run->status = status;
+    return status == TRIBO_OK;
+}
+
+/* ---- Newton step on blocks of W -------------------------------------------------------------- */
+
+/* Rows that a contact has in the matrix: none if it is open, the normal alone without friction. */
+static uint32_t rows_of(const newton *n, size_t c)
+{
+    return n->mode[c] == OPEN ? 0u : coefficient(n, c) > 0.0 ? 3u : 1u;
+}
+
+/* Number the unknowns; what is known of the step goes to `step`, and -F - P E W step to x. */
+static uint32_t number_rows(newton *n)
+{
+    const system_problem *p = n->problem;
+    uint32_t rows = 0;
+
+    for (size_t c = 0; c < p->count; c++) {
+        n->place[c] = rows;
+        rows += rows_of(n, c);
+        for (uint32_t k = 0; k < 3; k++)
+            n->step[3 * c + k] = k < rows_of(n, c) ? 0.0 : -n->f[3 * c + k] / n->gain[c];
+    }
+    n->place[p->count] = rows;
+    certificate_velocity(p, n->step, n->dv, n->moved);
+    for (size_t c = 0; c < p->count; c++) {
+        double known[3];
+        double bent[3];
+        for (size_t k = 0; k < 3; k++)
+            known[k] = n->moved[3 * c + k] - p->q[3 * c + k];
+        apply3(n->slope + 9 * c, known, bent);
+        for (uint32_t k = 0; k < rows_of(n, c); k++)
+            n->x[n->place[c] + k] = -n->f[3 * c + k] - bent[k];
+    }
+    return rows;
+}
+
+/* Entry (i, j) of own (c = d) + P E W_cd. */
+static double block_entry(const newton *n, size_t c, const double *w, uint32_t diagonal, uint32_t i,
+                          uint32_t j)
+{
+    const double *s = n->slope + 9 * c + 3 * (size_t)i;
+    const double sum = s[0] * w[j] + s[1] * w[3 + j] + s[2] * w[6 + j];
+    return diagonal != 0 ? sum + n->own[9 * c + 3 * (size_t)i + j] : sum;
+}
+
+static void fill_dense_blocks(newton *n, uint32_t rows)
+{
+    const system_problem *p = n->problem;
+    const size_t stride = dense_stride(rows);
+
+    for (size_t i = 0; i < rows * stride; i++)
+        n->dense[i] = 0.0;
+    for (size_t c = 0; c < p->count; c++) {
+        for (size_t k = p->row_starts[c]; k < p->row_starts[c + 1]; k++) {
+            const size_t d = p->columns[k];
+            for (uint32_t i = 0; i < rows_of(n, c); i++) {
+                double *row = n->dense + (n->place[c] + i) * stride + n->place[d];
+                for (uint32_t j = 0; j < rows_of(n, d); j++)
+                    row[j] = block_entry(n, c, p->blocks + 9 * k, c == d, i, j);
+            }
+        }
+    }
+}
+
+static void fill_sparse_blocks(newton *n)
+{
+    const system_problem *p = n->problem;
+    uint32_t at = 0;
+    uint32_t row = 0;
+
+    for (size_t c = 0; c < p->count; c++) {
+        for (uint32_t i = 0; i < rows_of(n, c); i++) {
+            n->row_starts[row++] = at;
+            for (size_t k = p->row_starts[c]; k < p->row_starts[c + 1]; k++) {
+                const size_t d = p->columns[k];
+                for (uint32_t j = 0; j < rows_of(n, d); j++) {
+                    n->columns[at] = n->place[d] + j;
+                    n->values[at++] = block_entry(n, c, p->blocks + 9 * k, c == d, i, j);
+                }
+            }
+        }
+    }
+    n->row_starts[row] = at;
+}
+
+static int step_on_blocks(newton *n, newton_run *run)
+{
+    const uint32_t rows = number_rows(n);
+
+    if (is_dense(n, rows, run))
+        fill_dense_blocks(n, rows);
+    else
+        fill_sparse_blocks(n);
+    if (!eliminate(n, rows, run))
+        return 0;
+    for (size_t c = 0; c < n->problem->count; c++) {
+        for (uint32_t k = 0; k < rows_of(n, c); k++)
+            n->step[3 * c + k] = n->x[n->place[c] + k];
+    }
+    return 1;
+}
+
+/* ---- Newton step in the bodies' velocities --------------------------------------------------- */
+
+/* Lower triangle L with L L^T = the inverse inertia; a zero pivot gives a zero column: an axis that
+ * cannot be turned. */
+static void root_of(const double j[6], double l[6])
+{
+    const double p0 = j[0] > 0.0 ? sqrt(j[0]) : 0.0;
+    const double i0 = p0 > 0.0 ? 1.0 / p0 : 0.0;
+    l[0] = p0;
+    l[1] = j[1] * i0;
+    l[3] = j[2] * i0;
+    const double d1 = j[3] - l[1] * l[1];
+    const double p1 = d1 > 4.0 * TRIBO_EPS * j[3] ? sqrt(d1) : 0.0;
+    l[2] = p1;
+    l[4] = p1 > 0.0 ? (j[4] - l[3] * l[1]) / p1 : 0.0;
+    const double d2 = j[5] - l[3] * l[3] - l[4] * l[4];
+    l[5] = d2 > 4.0 * TRIBO_EPS * j[5] ? sqrt(d2) : 0.0;
+}
+
+/* One side of a contact: 3 x 6, rows n, t1, t2. */
+static void half_of(const system_problem *p, const double *root, size_t c, uint32_t side,
+                    double half[18])
+{
+    const uint32_t body = p->pairs[2 * c + side];
+    const double sign = side == 0 ? 1.0 : -1.0;
+
+    for (int i = 0; i < 18; i++)
+        half[i] = 0.0;
+    if (body == TRIBO_WORLD)
+        return;
+    const double m = sign * sqrt(p->inverse_mass[body]);
+    const double *l = root + 6 * (size_t)body;
+    for (int k = 0; k < 3; k++) {
+        const double *f = p->frames + 9 * c + 3 * (size_t)k;
+        const double *t = p->turns + 18 * c + 9 * (size_t)side + 3 * (size_t)k;
+        double *row = half + 6 * k;
+        row[0] = m * f[0];
+        row[1] = m * f[1];
+        row[2] = m * f[2];
+        row[3] = sign * (t[0] * l[0] + t[1] * l[1] + t[2] * l[3]);
+        row[4] = sign * (t[1] * l[2] + t[2] * l[4]);
+        row[5] = sign * (t[2] * l[5]);
+    }
+}
+
+/* Block rows of the graph of bodies, each row ascending, itself included. */
+static void link_bodies(newton *n)
+{
+    const system_problem *p = n->problem;
+    uint32_t *starts = n->starts;
+
+    for (uint32_t i = 0; i < p->bodies + 2; i++)
+        starts[i] = 0;
+    for (size_t c = 0; c < p->count; c++) {
+        const uint32_t a = p->pairs[2 * c];
+        const uint32_t b = p->pairs[2 * c + 1];
+        if (a != TRIBO_WORLD && b != TRIBO_WORLD) {
+            starts[a + 2]++;
+            starts[b + 2]++;
+        }
+    }
+    for (uint32_t i = 0; i < p->bodies; i++)
+        starts[i + 2] += starts[i + 1] + 1;
+    for (uint32_t i = 0; i < p->bodies; i++)
+        n->neighbours[starts[i + 1]++] = i;
+    for (size_t c = 0; c < p->count; c++) {
+        const uint32_t a = p->pairs[2 * c];
+        const uint32_t b = p->pairs[2 * c + 1];
+        if (a != TRIBO_WORLD && b != TRIBO_WORLD) {
+            n->neighbours[starts[a + 1]++] = b;
+            n->neighbours[starts[b + 1]++] = a;
+        }
+    }
+}
+
+/* Sort each row by insertion and drop what stands twice. */
+static void tidy_links(newton *n)
+{
+    uint32_t kept = 0;
+
+    for (uint32_t i = 0; i < n->problem->bodies; i++) {
+        const uint32_t first = n->starts[i];
+        const uint32_t end = n->starts[i + 1];
+        const uint32_t begin = kept;
+        for (uint32_t k = first; k < end; k++) {
+            const uint32_t body = n->neighbours[k];
+            uint32_t at = kept;
+            while (at > begin && n->neighbours[at - 1] > body)
+                at--;
+            if (at > begin && n->neighbours[at - 1] == body)
+                continue;
+            for (uint32_t move = kept++; move > at; move--)
+                n->neighbours[move] = n->neighbours[move - 1];
+            n->neighbours[at] = body;
+        }
+        n->starts[i] = begin;
+    }
+    n->starts[n->problem->bodies] = kept;
+}
+
+static uint32_t slot_of(const newton *n, uint32_t row, uint32_t body)
+{
+    uint32_t low = n->starts[row];
+    uint32_t high = n->starts[row + 1];
+
+    while (high - low > 1) {
+        const uint32_t middle = low + (high - low) / 2;
+        if (n->neighbours[middle] <= body)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low - n->starts[row];
+}
+
+/* Where block (row, column) starts, and how far its rows are apart. */
+static double *block_of(const newton *n, uint32_t dense, uint32_t row, uint32_t column,
+                        size_t *stride)
+{
+    if (dense != 0) {
+        *stride = dense_stride(6 * n->problem->bodies);
+        return n->dense + 6 * (size_t)row * *stride + 6 * (size_t)column;
+    }
+    *stride = 6 * (size_t)(n->starts[row + 1] - n->starts[row]);
+    return n->values + 36 * (size_t)n->starts[row] + 6 * (size_t)slot_of(n, row, column);
+}
+
+static void prepare_bodies(newton *n, uint32_t dense)
+{
+    const system_problem *p = n->problem;
+
+    for (size_t i = 0; i < p->bodies; i++)
+        root_of(p->inverse_inertia + 6 * i, n->root + 6 * i);
+    for (size_t c = 0; c < p->count; c++) {
+        half_of(p, n->root, c, 0, n->half + 36 * c);
+        half_of(p, n->root, c, 1, n->half + 36 * c + 18);
+    }
+    if (dense != 0)
+        return;
+    link_bodies(n);
+    tidy_links(n);
+    uint32_t at = 0;
+    for (uint32_t i = 0; i < p->bodies; i++) {
+        for (uint32_t k = 0; k < 6; k++) {
+            n->row_starts[6 * i + k] = at;
+            for (uint32_t b = n->starts[i]; b < n->starts[i + 1]; b++) {
+                for (uint32_t j = 0; j < 6; j++)
+                    n->columns[at++] = 6 * n->neighbours[b] + j;
+            }
+        }
+    }
+    n->row_starts[6 * p->bodies] = at;
+}
+
+/* x = A^-1 b for 3x3 by Cramer's rule; 0 if A is singular. */
+static int invert3(const double a[9], double out[9])
+{
+    const double c0 = a[4] * a[8] - a[5] * a[7];
+    const double c1 = a[5] * a[6] - a[3] * a[8];
+    const double c2 = a[3] * a[7] - a[4] * a[6];
+    const double det = a[0] * c0 + a[1] * c1 + a[2] * c2;
+    const double inverse = 1.0 / det;
+
+    if (!(absolute(inverse) <= TRIBO_LARGE))
+        return 0;
+    out[0] = c0 * inverse;
+    out[1] = (a[2] * a[7] - a[1] * a[8]) * inverse;
+    out[2] = (a[1] * a[5] - a[2] * a[4]) * inverse;
+    out[3] = c1 * inverse;
+    out[4] = (a[0] * a[8] - a[2] * a[6]) * inverse;
+    out[5] = (a[2] * a[3] - a[0] * a[5]) * inverse;
+    out[6] = c2 * inverse;
+    out[7] = (a[1] * a[6] - a[0] * a[7]) * inverse;
+    out[8] = (a[0] * a[4] - a[1] * a[3]) * inverse;
+    return 1;
+}
+
+/* block += L^T D R, L and R 3 x 6. */
+static void add_product(const double *left, const double d[9], const double *right, double *block,
+                        size_t stride)
+{
+    double s[18];
+
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 6; j++)
+            s[6 * i + j] =
+                d[3 * i] * right[j] + d[3 * i + 1] * right[6 + j] + d[3 * i + 2] * right[12 + j];
+    }
+    for (int i = 0; i < 6; i++) {
+        double *row = block + (size_t)i * stride;
+        for (int j = 0; j < 6; j++)
+            row[j] += left[i] * s[j] + left[6 + i] * s[6 + j] + left[12 + i] * s[12 + j];
+    }
+}
+
+static void add_contact(newton *n, uint32_t dense, size_t c, const double d[9])
+{
+    const double *half = n->half + 36 * c;
+    const uint32_t *pair = n->problem->pairs + 2 * c;
+
+    for (uint32_t i = 0; i < 2; i++) {
+        for (uint32_t j = 0; j < 2; j++) {
+            size_t stride;
+            if (pair[i] == TRIBO_WORLD || pair[j] == TRIBO_WORLD)
+                continue;
+            double *block = block_of(n, dense, pair[i], pair[j], &stride);
+            add_product(half + 18 * (size_t)i, d, half + 18 * (size_t)j, block, stride);
+        }
+    }
+}
+
+static void clear_matrix(newton *n, uint32_t dense)
+{
+    const system_problem *p = n->problem;
+    const uint32_t rows = 6 * p->bodies;
+    const size_t size = dense != 0 ? rows * dense_stride(rows) : 36 * (size_t)n->starts[p->bodies];
+    double *values = dense != 0 ? n->dense : n->values;
+
+    for (size_t i = 0; i < size; i++)
+        values[i] = 0.0;
+    for (uint32_t i = 0; i < p->bodies; i++) {
+        size_t stride;
+        double *block = block_of(n, dense, i, i, &stride);
+        for (size_t k = 0; k < 6; k++)
+            block[k * stride + k] = 1.0;
+    }
+    for (uint32_t i = 0; i < rows; i++)
+        n->x[i] = 0.0;
+}
+
+/* (1 + H^T D H) x = -H^T A^-1 F, H = J M^-1/2, D = A^-1 P E; then dr = -A^-1 F - D H x. */
+static int step_on_bodies(newton *n, newton_run *run)
+{
+    const system_problem *p = n->problem;
+    const uint32_t rows = 6 * p->bodies;
+    const uint32_t dense = is_dense(n, rows, run);
+
+    clear_matrix(n, dense);
+    for (size_t c = 0; c < p->count; c++) {
+        const double *half = n->half + 36 * c;
+        double inverse[9];
+        double d[9];
+        double *known = n->step + 3 * c;
+        if (!invert3(n->own + 9 * c, inverse))
+            return 0;
+        for (int i = 0; i < 9; i++) {
+            const double *row = inverse + i / 3 * 3;
+            const double *column = n->slope + 9 * c + i % 3;
+            d[i] = row[0] * column[0] + row[1] * column[3] + row[2] * column[6];
+        }
+        apply3(inverse, n->f + 3 * c, known);
+        for (int i = 0; i < 9; i++)
+            n->slope[9 * c + (size_t)i] = d[i];
+        if (n->mode[c] == OPEN && known[0] == 0.0 && known[1] == 0.0 && known[2] == 0.0)
+            continue;
+        for (uint32_t side = 0; side < 2; side++) {
+            const uint32_t body = p->pairs[2 * c + side];
+            for (uint32_t j = 0; j < 6 && body != TRIBO_WORLD; j++) {
+                const double *h = half + 18 * (size_t)side + j;
+                n->x[6 * body + j] -= h[0] * known[0] + h[6] * known[1] + h[12] * known[2];
+            }
+        }
+        if (n->mode[c] != OPEN)
+            add_contact(n, dense, c, d);
+    }
+    if (!eliminate(n, rows, run))
+        return 0;
+    for (size_t c = 0; c < p->count; c++) {
+        double moved[3] = {0.0, 0.0, 0.0};
+        double change[3];
+        for (uint32_t side = 0; side < 2; side++) {
+            const uint32_t body = p->pairs[2 * c + side];
+            for (uint32_t k = 0; k < 3 && body != TRIBO_WORLD; k++) {
+                const double *h = n->half + 36 * c + 18 * (size_t)side + 6 * (size_t)k;
+                for (uint32_t j = 0; j < 6; j++)
+                    moved[k] += h[j] * n->x[6 * body + j];
+            }
+        }
+        apply3(n->slope + 9 * c, moved, change);
+        for (size_t k = 0; k < 3; k++)
+            n->step[3 * c + k] = -n->step[3 * c + k] - change[k];
+    }
+    return 1;
+}
+
+/* ---- iteration ------------------------------------------------------------------------------- */
+
+static void copy(size_t count, const double *from, double *to)
+{
+    for (size_t i = 0; i < count; i++)
+        to[i] = from[i];
+}
+
+static void exchange(double **a, double **b)
+{
+    double *held = *a;
+    *a = *b;
+    *b = held;
+}
+
+/* Move by a share of the step, halved until F falls. Returns |F| there. */
+static double search(newton *n, double f, double *share)
+{
+    const size_t numbers_of = 3 * (size_t)n->problem->count;
+    double t = 1.0;
+    double next = f;
+
+    for (; t > LEAST_LENGTH; t *= 0.5) {
+        for (size_t i = 0; i < numbers_of; i++)
+            n->next_r[i] = n->r[i] + t * n->step[i];
+        certificate_velocity(n->problem, n->next_r, n->dv, n->next_u);
+        next = map_all(n, n->next_r, n->next_u, n->next_f, n->next_mode);
+        if (next < (1.0 - 1e-4 * t) * f)
+            break;
+    }
+    *share = t;
+    return next;
+}
+
+static int step_once(newton *n, newton_run *run)
+{
+    run->steps++;
+    linearize(n);
+    return n->problem->bodies != 0 ? step_on_bodies(n, run) : step_on_blocks(n, run);
+}
+
+/* Newton on one proximal step until |F| <= enough. Returns 1 if it got there. */
+static int solve_proximal(newton *n, double enough, newton_run *run, uint32_t *steps)
+{
+    double f = map_all(n, n->r, n->u, n->f, n->mode);
+
+    for (*steps = 0; *steps < INNER_STEPS; ++*steps) {
+        double share;
+        if (f <= enough)
+            return 1;
+        run->halted = run->halt != NULL ? run->halt(run->context) : 0;
+        if (run->halted != 0 || run->steps >= run->most_steps || !step_once(n, run))
+            return 0;
+        const double next = search(n, f, &share);
+        if (!(next <= 1e300))
+            return 0;
+        exchange(&n->r, &n->next_r);
+        exchange(&n->u, &n->next_u);
+        exchange(&n->f, &n->next_f);
+        uint8_t *held = n->mode;
+        n->mode = n->next_mode;
+        n->next_mode = held;
+        if (share <= LEAST_LENGTH && next >= f)
+            return 0;
+        f = next;
+    }
+    return f <= enough;
+}
+
+/* Natural map without the proximal term, and the distance from the goal, of r brought into the
+ * cone; kept if it is the best so far. */
+static double judge(newton *n, const goal *wanted, double *distance, double *least)
+{
+    const size_t count = n->problem->count;
+    const double alpha = n->alpha;
+
+    for (size_t c = 0; c < count; c++)
+        cone_project(n->r + 3 * c, coefficient(n, c), n->next_r + 3 * c);
+    certificate_velocity(n->problem, n->next_r, n->dv, n->next_u);
+    n->alpha = 0.0;
+    const double f = map_all(n, n->next_r, n->next_u, n->next_f, n->next_mode);
+    n->alpha = alpha;
+    *distance = certificate_distance(n->problem, wanted, n->next_r, n->next_u);
+    if (*distance < *least) {
+        *least = *distance;
+        copy(3 * count, n->next_r, n->best);
+    }
+    return f;
+}
+
+static double begin(newton *n, const system_problem *problem, const double *r)
+{
+    double sum = 0.0;
+
+    n->problem = problem;
+    copy(3 * (size_t)problem->count, r, n->r);
+    copy(3 * (size_t)problem->count, r, n->best);
+    for (size_t c = 0; c < problem->count; c++) {
+        const double *w = problem->diagonal + 9 * c;
+        double squares = 0.0;
+        for (int i = 0; i < 9; i++)
+            squares += w[i] * w[i];
+        n->gain[c] = sqrt(squares);
+        sum += n->gain[c];
+    }
+    certificate_velocity(problem, n->r, n->dv, n->u);
+    return sum / (double)problem->count;
+}
+
+double newton_solve(newton *n, const system_problem *problem, const goal *wanted, newton_run *run,
+                    double *r)
+{
+    const size_t numbers_of = 3 * (size_t)problem->count;
+    const double size = begin(n, problem, r);
+    double least = 1e300;
+    double distance;
+    uint32_t idle = 0;
+    double outer = judge(n, wanted, &distance, &least);
+
+    if (problem->bodies != 0)
+        prepare_bodies(n, is_dense(n, 6 * problem->bodies, run));
+    n->alpha = FIRST_ALPHA * size;
+    while (distance > 1.0 && idle < PATIENCE && run->steps < run->most_steps) {
+        const double before = least;
+        uint32_t steps;
+        copy(numbers_of, n->r, n->center);
+        const double enough = greater(INNER_SHARE * outer, 0.1 * outer / distance);
+        const int solved = solve_proximal(n, enough, run, &steps);
+        if (run->halted != 0 || run->status != TRIBO_OK)
+            break;
+        const double now = judge(n, wanted, &distance, &least);
+        if (solved && now < 10.0 * outer) {
+            outer = now;
+            if (steps < QUICK_STEPS)
+                n->alpha = greater(n->alpha / 3.0, LEAST_ALPHA * size);
+        } else {
+            n->alpha *= 5.0;
+            if (now <= 10.0 * outer) {
+                outer = lesser(outer, now);
+            } else {
+                copy(numbers_of, n->center, n->r);
+                certificate_velocity(problem, n->r, n->dv, n->u);
+            }
+        }
+        idle = least < 0.9 * before ? 0 : idle + 1;
+    }
+    copy(numbers_of, n->best, r);
+    return least;
+}

@@ -1,0 +1,142 @@
+#include "restitution.h"
+
+#include "bits.h"
+
+void restitution_take(restitution *stage, arena *a, uint32_t count, uint32_t bodies)
+{
+    double **each[] = {&stage->first,    &stage->second, &stage->u_first,
+                       &stage->u_second, &stage->q,      &stage->target};
+
+    for (size_t i = 0; i < sizeof each / sizeof *each; i++)
+        *each[i] = arena_take(a, 3 * (size_t)count, sizeof(double));
+    stage->mu = arena_take(a, 2 * (size_t)count, sizeof(double));
+    stage->free_velocity = arena_take(a, 6 * (size_t)bodies, sizeof(double));
+}
+
+/* Speed at which contact c shall part. */
+static double parting(const system_problem *p, const double *e, size_t c)
+{
+    const double approach = 0.0 - p->q[3 * c];
+    return approach > 0.0 ? e[c] * approach : 0.0;
+}
+
+static int is_needed(const system_problem *p, const double *e)
+{
+    for (size_t c = 0; c < p->count; c++) {
+        if (parting(p, e, c) > 0.0)
+            return 1;
+    }
+    return 0;
+}
+
+/* Change of energy by impulses r: r . (q + u) / 2. */
+static double energy_of(const system_problem *p, const double *r, const double *u)
+{
+    double sum = 0.0;
+
+    for (size_t i = 0; i < 3 * (size_t)p->count; i++)
+        sum += 0.5 * r[i] * (p->q[i] + u[i]);
+    return sum;
+}
+
+/* Greatest share in [0, 1] of the way from impulses `from` to `to` with energy <= 0. */
+static double allowed(const system_problem *p, const double *from, const double *u_from,
+                      const double *to, const double *u_to)
+{
+    const double start = lesser(energy_of(p, from, u_from), 0.0);
+    double slope = 0.0;
+    double bend = 0.0;
+
+    if (energy_of(p, to, u_to) <= 0.0)
+        return 1.0;
+    for (size_t i = 0; i < 3 * (size_t)p->count; i++) {
+        const double d = to[i] - from[i];
+        slope += d * u_from[i];
+        bend += 0.5 * d * (u_to[i] - u_from[i]);
+    }
+    /* start + slope s + bend s^2 = 0 with start <= 0, by the form that does not cancel. */
+    const double root = sqrt(greater(slope * slope - 4.0 * bend * start, 0.0));
+    const double share = slope > 0.0  ? -2.0 * start / (slope + root)
+                         : bend > 0.0 ? (root - slope) / (2.0 * bend)
+                                      : 0.0;
+    return share > 0.0 ? lesser(share, 1.0) : 0.0;
+}
+
+/* from += share (to - from), velocities too. */
+static void advance(const system_problem *p, double share, double *from, double *u_from,
+                    const double *to, const double *u_to)
+{
+    for (size_t i = 0; i < 3 * (size_t)p->count; i++) {
+        from[i] = share < 1.0 ? from[i] + share * (to[i] - from[i]) : to[i];
+        u_from[i] = share < 1.0 ? u_from[i] + share * (u_to[i] - u_from[i]) : u_to[i];
+    }
+}
+
+/* second = first + frictionless impulses that part the contacts. */
+static void part_without_friction(restitution *st, solver *s, const system_problem *p,
+                                  const double *free_velocity, const double *e, const goal *wanted)
+{
+    system_problem bare = *p;
+    const size_t n = p->count;
+
+    certificate_velocity(p, st->first, s->dv, st->u_first);
+    for (size_t i = 0; i < 6 * (size_t)p->bodies; i++)
+        st->free_velocity[i] = free_velocity[i] + s->dv[i];
+    for (size_t c = 0; c < n; c++) {
+        st->mu[2 * c] = st->mu[2 * c + 1] = 0.0;
+        for (size_t k = 0; k < 3; k++) {
+            const double speed = k == 0 ? parting(p, e, c) : 0.0;
+            st->target[3 * c + k] = p->target[3 * c + k] + speed;
+            st->q[3 * c + k] = st->u_first[3 * c + k] - speed;
+            st->second[3 * c + k] = 0.0;
+        }
+    }
+    bare.q = st->q;
+    bare.target = st->target;
+    bare.mu = st->mu;
+    solver_solve(s, &bare, st->free_velocity, wanted, st->second);
+    for (size_t i = 0; i < 3 * n; i++)
+        st->second[i] = st->first[i] + (i % 3 == 0 ? st->second[i] : 0.0);
+    certificate_velocity(p, st->second, s->dv, st->u_second);
+}
+
+/* second = impulses of Newton's restitution with friction. */
+static void part_with_friction(restitution *st, solver *s, const system_problem *p,
+                               const double *free_velocity, const double *e, const goal *wanted)
+{
+    system_problem aimed = *p;
+
+    for (size_t c = 0; c < p->count; c++) {
+        for (size_t k = 0; k < 3; k++)
+            st->q[3 * c + k] = p->q[3 * c + k] - (k == 0 ? parting(p, e, c) : 0.0);
+    }
+    for (size_t i = 0; i < 3 * (size_t)p->count; i++)
+        st->second[i] = st->first[i];
+    aimed.q = st->q;
+    aimed.target = st->target;
+    solver_solve(s, &aimed, free_velocity, wanted, st->second);
+    certificate_velocity(p, st->second, s->dv, st->u_second);
+}
+
+double restitution_apply(restitution *stage, solver *s, const system_problem *problem,
+                         const double *free_velocity, const double *e, const goal *wanted,
+                         double *r)
+{
+    const size_t numbers = 3 * (size_t)problem->count;
+
+    if (!is_needed(problem, e))
+        return 1.0;
+    for (size_t i = 0; i < numbers; i++)
+        stage->first[i] = r[i];
+    part_without_friction(stage, s, problem, free_velocity, e, wanted);
+    double share = allowed(problem, stage->first, stage->u_first, stage->second, stage->u_second);
+    advance(problem, share, stage->first, stage->u_first, stage->second, stage->u_second);
+    if (share == 1.0) {
+        part_with_friction(stage, s, problem, free_velocity, e, wanted);
+        share = allowed(problem, stage->first, stage->u_first, stage->second, stage->u_second);
+        advance(problem, share, stage->first, stage->u_first, stage->second, stage->u_second);
+    }
+    for (size_t i = 0; i < numbers; i++)
+        r[i] = stage->first[i];
+    return share;
+}
