@@ -199,13 +199,19 @@ APP_OBJECTS := $(CLI_OBJECTS) $(FUZZ_OBJECTS) $(patsubst %.c,$(BUILD)/obj/%.o,\
 $(APP_OBJECTS): $(BUILD)/obj/%.o: %.c $(BUILD)/flags
 	@mkdir -p $(@D)
 	@echo "  CC      $<"
-	$(CC) $(COMMON) -Isrc -Itests/support $(DEPEND) -c -o $@ $<
+	$(CC) $(COMMON) -Isrc -Itests/support $(FILE_FLAGS) $(DEPEND) -c -o $@ $<
 
 link = mkdir -p $(@D) && echo "  LD      $@" && \
        $(CC) $(CFLAGS) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^)
 
 $(BUILD)/tribo: $(CLI_OBJECTS) $(FULL_STATIC) $(STATIC)
-	$(link) -lcsv $(FULL_LIBS) -lm
+	$(link) -lcsv $(HDF5_LIBS) $(FULL_LIBS) -lm
+
+# Only the reader of FCLib's files includes libhdf5. Debian keeps the serial one of several apart.
+HDF5_SERIAL := $(wildcard /usr/include/hdf5/serial)
+HDF5_FLAGS ?= $(HDF5_SERIAL:%=-isystem %)
+HDF5_LIBS ?= $(if $(HDF5_SERIAL),-lhdf5_serial,-lhdf5)
+$(BUILD)/obj/src/cli/fclib.o: FILE_FLAGS = $(HDF5_FLAGS)
 
 $(TESTS): $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(SUPPORT_OBJECTS) $(FULL_STATIC) $(STATIC)
 	$(link) -lcmocka $(FULL_LIBS) -lm
@@ -226,11 +232,11 @@ $(ENGINES): $(BUILD)/fuzz/%: $(BUILD)/obj/fuzz/%.o $(FUZZ_OBJECTS) $(FULL_STATIC
 	$(link) $(LIB_FUZZING_ENGINE) $(FULL_LIBS) $(ROOM_LIBS) -lm
 
 # The room of the program's readers is linked with them.
-READERS := $(patsubst %.c,$(BUILD)/obj/%.o,src/cli/cli.c src/cli/collide.c src/cli/problem.c \
-    src/cli/table.c)
+READERS := $(patsubst %.c,$(BUILD)/obj/src/cli/%.o,cli.c collide.c condense.c dat.c fclib.c \
+    problem.c recorded.c table.c)
 TABLE := $(BUILD)/fuzz/table $(BUILD)/fuzz/table-random $(BUILD)/fuzz/table-replay
 $(TABLE): $(READERS)
-$(TABLE): ROOM_LIBS := -lcsv
+$(TABLE): ROOM_LIBS := -lcsv $(HDF5_LIBS)
 
 -include $(patsubst %.o,%.d,$(LIB_OBJECTS) $(FULL_OBJECTS) $(LANES_OBJECTS) $(APP_OBJECTS))
 

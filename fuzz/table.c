@@ -223,6 +223,15 @@ static int same_number(double left, double right)
     return (isnan(left) && isnan(right)) || memcmp(&left, &right, sizeof left) == 0;
 }
 
+static int same_numbers(const double *left, const double *right, size_t count)
+{
+    int same = 1;
+    for (size_t i = 0; i < count; i++) {
+        same = same && same_number(left[i], right[i]);
+    }
+    return same;
+}
+
 static void require_row(property_trial *t, const table *b, uint32_t row, const table_row *got)
 {
     for (uint32_t i = 0; i < b->width; i++) {
@@ -391,35 +400,41 @@ static int written_once(const char *message)
 /* W, q and mu as Siconos writes them. */
 static void problem_dense(property_trial *t)
 {
-    problem want;
-    problem got;
+    double w[9];
+    double q[3];
     text x = {.line = 1, .column = 1};
     char number[64];
-    make_matrix(t, "w", want.w);
+    make_matrix(t, "w", w);
     for (int i = 0; i < 9; i++) {
-        want.w[i] = make_real(t, NULL, -20, 20);
+        w[i] = make_real(t, NULL, -20, 20);
     }
-    make_vector(t, "q", -20, 20, want.q);
-    want.mu = make_friction(t, "mu");
+    make_vector(t, "q", -20, 20, q);
+    const double mu = make_friction(t, "mu");
     put(&x, "3\n1\n\n0\n3\n3\n\n3\t3\n");
     for (int i = 0; i < 9; i++) {
         /* by columns */
-        snprintf(number, sizeof number, "%.17e%s", want.w[3 * (i % 3) + i / 3],
+        snprintf(number, sizeof number, "%.17e%s", w[3 * (i % 3) + i / 3],
                  i % 3 == 2 ? "\n" : "\t");
         put(&x, number);
     }
     for (int i = 0; i < 3; i++) {
-        snprintf(number, sizeof number, "%.17e\t", want.q[i]);
+        snprintf(number, sizeof number, "%.17e\t", q[i]);
         put(&x, number);
     }
-    snprintf(number, sizeof number, "\n%.17e\n", want.mu);
+    snprintf(number, sizeof number, "\n%.17e\n", mu);
     put(&x, number);
+    problem got;
     channel *p = begin(x.bytes, x.length);
-    const int status = problem_read(p->path, 0, &got);
+    const int status = problem_read(p->path, &got);
     end(p);
-    REQUIRE(t, status == 0 && p->message[0] == '\0');
-    REQUIRE(t, property_same(got.w, want.w, sizeof want.w));
-    REQUIRE(t, property_same(got.q, want.q, sizeof want.q) && got.mu == want.mu);
+    int same = status == 0 && p->message[0] == '\0' && got.count == 1 && got.row_starts[0] == 0 &&
+               got.row_starts[1] == 1 && got.columns[0] == 0 && same_numbers(got.q, q, 3) &&
+               got.mu[0] == mu && got.mu[1] == mu;
+    for (int i = 0; i < 9 && same; i++) {
+        same = got.blocks[i] == w[i]; /* but for the sign of a zero, which is not kept */
+    }
+    problem_free(&got);
+    REQUIRE(t, same);
 }
 
 static void problem_bytes(property_trial *t)
@@ -429,11 +444,12 @@ static void problem_bytes(property_trial *t)
                                           "3\n1\n1\n1\n3\n3\n1\n", "3\n1\n2\n"};
     problem got;
     const uint32_t start = make_choice(t, "start", 4);
-    const int global = make_choice(t, "global", 2) == 1;
+    (void)make_choice(t, "global", 2); /* of files that are in the corpus */
     const size_t length = make_bytes(t, starts[start], bytes);
     channel *p = begin(bytes, length);
-    const int status = problem_read(p->path, global, &got);
+    const int status = problem_read(p->path, &got);
     end(p);
+    problem_free(&got);
     REQUIRE(t, status == 0 ? p->message[0] == '\0' : written_once(p->message));
 }
 
@@ -547,15 +563,6 @@ typedef struct pairs_taken {
     uint32_t different;
     uint32_t stop; /* answer with 77 at this pair */
 } pairs_taken;
-
-static int same_numbers(const double *left, const double *right, size_t count)
-{
-    int same = 1;
-    for (size_t i = 0; i < count; i++) {
-        same = same && same_number(left[i], right[i]);
-    }
-    return same;
-}
 
 /* A hull is that of its points, or refused as they are. */
 static int same_hull(const pair_line *l, uint32_t i, const collide_item *got)

@@ -664,18 +664,19 @@ check "problem: word for number" bad_problem Rover11035 '3\n1\n0\n3 3\n3 3\n2 0 
 check "problem: cut off" bad_problem Rover11035 '3\n1\n0\n3 3\n3 3\n2 0' \
     '6:4: the file ends too early'
 check "problem: planar" bad_problem Rover11035 '2\n1\n' \
-    '1:1: the problem is not in space: 3 is expected'
-check "problem: two contacts" bad_problem Rover11035 '3\n2\n' \
-    '2:1: not a whole number within its range'
-check "problem: unknown storage" bad_problem Rover11035 '3\n1\n2\n' \
-    '3:1: not a whole number within its range'
+    '1:1: the problem is not in space: dimension 3 is expected'
+check "problem: two contacts" bad_problem Rover11035 \
+    '3 2 1 6 6 2 2 2 3 6 3 6 3 2 0 1 2 0 1\n0 1 0 0 0 1 0 0 0 1\n1 1 0 0 0 1 0 0 0 1\n-1 0 0 -1 0 0 0 0' \
+    ' 2 contacts instead of 1'
+check "problem: unknown storage" bad_problem Rover11035 '3\n1\n3\n' \
+    '3:1: not a whole number from 0 to 2'
 check "problem: sizes that differ" bad_problem Rover11035 '3\n1\n0\n3 3\n3 2\n' \
     '5:3: the matrix gives its size twice, and differently'
 check "problem: block column out of range" bad_problem FrictionContact3D_RR_1c \
-    '3 1\n1 3 3\n1 1 1\n3\n3\n2 1\n0 1\n1\n' '8:1: not a whole number within its range'
+    '3 1\n1 3 3\n1 1 1\n3\n3\n2 1\n0 1\n1\n' '8:1: not a whole number from 0 to 0'
 check "problem: singular M" bad_problem GFC3D_Example1 \
     '3 1\n0 3 3 3 3 0 0 0 0 1 0 0 0 1\n0 3 3 3 3 1 0 0 0 1 0 0 0 1\n-1 0 0 0 0 0 0.5' \
-    '4:12: M is singular'
+    ' M is singular, at unknown 0 or one that is connected with it (from 0)'
 missing_problem()
 {
     write_problems "$work/data"

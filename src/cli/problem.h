@@ -1,36 +1,32 @@
 /**
  * @file problem.h
- * Frictional-contact problems of one contact in the text format of Siconos.
+ * Recorded frictional-contact problems, from the text format of Siconos or the HDF5 format of
+ * FCLib, in the one form in which they are solved.
  */
 #ifndef TRIBO_CLI_PROBLEM_H
 #define TRIBO_CLI_PROBLEM_H
 
-#include <tribo/tribo.h>
+#include <stddef.h>
+#include <stdint.h>
 
-/** u = W p + q with friction mu. W row by row; it need not be symmetric. */
+/** u = W r + q, laid out as tribo_system_solve_assembled takes it. W need not be symmetric. */
 typedef struct problem {
-    double w[9];
-    double q[3];
-    double mu;
+    size_t count;         /**< contacts, at least 1 */
+    uint32_t *row_starts; /**< count + 1 */
+    uint32_t *columns;    /**< of the blocks, ascending in each row, the diagonal always there */
+    double *blocks;       /**< width 9, row by row; those of zeros only are left out */
+    double *q;            /**< width 3 */
+    double *mu;           /**< width 2: mu_s and mu_d, which are the same */
 } problem;
 
-/** What a solve gave. */
-typedef struct problem_solution {
-    tribo_status status;
-    uint32_t
-        general;   /**< 1: W is not symmetric to the bit, tribo_contact_solve_general was called */
-    uint32_t mode; /**< TRIBO_MODE_... */
-    double p[3];
-    double
-        error; /**< natural map |s p - P_K(s p - u')| / |q|, u' = u + mu |u_t| e_n, s = tr(W) / 3 */
-} problem_solution;
+/** Read a problem. Format and form are recognised from the content. The global form (M, H, f, w) is
+ *  reduced: W = H^T M^-1 H, q = H^T M^-1 f + w. Memory is bounded by 512 MiB and 128 times the size
+ *  of the file.
+ *  @param file "-" for standard input
+ *  @return 0, or CLI_BAD_INPUT after one message with the file and the place; then *out is empty */
+int problem_read(const char *file, problem *out);
 
-/** Read a problem in local form (W, q, mu) or, if `global` is not 0, in global form (M, H, f, w,
- * mu), which is reduced: W = H^T M^-1 H, q = H^T M^-1 f + w. Matrices may be dense or of sparse
- * blocks.
- *  @return 0, or an exit status after a message with line and column. */
-int problem_read(const char *file, int global, problem *out);
-
-void problem_solve(const problem *given, problem_solution *solution);
+/** Give back what problem_read gave. */
+void problem_free(problem *given);
 
 #endif
