@@ -2,6 +2,11 @@
 
 #include "cone.h"
 
+static double length3(const double x[3])
+{
+    return sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+}
+
 /* ---- velocities ------------------------------------------------------------------------------ */
 
 static void add_impulse(const double *frame, const double *turn, double sign, const double r[3],
@@ -95,16 +100,90 @@ void certificate_velocity(const system_problem *problem, const double *r, double
         velocity_of_blocks(problem, r, u);
 }
 
+/* ---- sizes that the velocities are judged against -------------------------------------------- */
+
+static void gather_size(const double *frame, const double *turn, const double r[3], double *sum)
+{
+    for (int k = 0; k < 3; k++) {
+        for (int i = 0; i < 3; i++) {
+            sum[k] += absolute(frame[3 * i + k] * r[i]);
+            sum[3 + k] += absolute(turn[3 * i + k] * r[i]);
+        }
+    }
+}
+
+/* Sums over contacts of |M^-1| |J^T| |r|, 6 per body. */
+static void sizes_of_bodies(const system_problem *p, const double *r, double *sizes)
+{
+    for (size_t i = 0; i < 6 * (size_t)p->bodies; i++)
+        sizes[i] = 0.0;
+    for (size_t c = 0; c < p->count; c++) {
+        for (size_t side = 0; side < 2; side++) {
+            const uint32_t body = p->pairs[2 * c + side];
+            if (body != TRIBO_WORLD)
+                gather_size(p->frames + 9 * c, p->turns + 18 * c + 9 * side, r + 3 * c,
+                            sizes + 6 * (size_t)body);
+        }
+    }
+    for (size_t i = 0; i < p->bodies; i++) {
+        const double *j = p->inverse_inertia + 6 * i;
+        double *s = sizes + 6 * i;
+        const double x = s[3];
+        const double y = s[4];
+        const double z = s[5];
+        for (int k = 0; k < 3; k++)
+            s[k] *= p->inverse_mass[i];
+        s[3] = absolute(j[0]) * x + absolute(j[1]) * y + absolute(j[2]) * z;
+        s[4] = absolute(j[1]) * x + absolute(j[3]) * y + absolute(j[4]) * z;
+        s[5] = absolute(j[2]) * x + absolute(j[4]) * y + absolute(j[5]) * z;
+    }
+}
+
+/* The size of sum |W_cj| |r_j|. */
+static double size_by_bodies(const system_problem *p, size_t c, const double *sizes)
+{
+    double out[3] = {0.0, 0.0, 0.0};
+
+    for (size_t side = 0; side < 2; side++) {
+        const uint32_t body = p->pairs[2 * c + side];
+        for (size_t k = 0; k < 3 && body != TRIBO_WORLD; k++) {
+            const double *f = p->frames + 9 * c + 3 * k;
+            const double *t = p->turns + 18 * c + 9 * side + 3 * k;
+            const double *s = sizes + 6 * (size_t)body;
+            for (int i = 0; i < 3; i++)
+                out[k] += absolute(f[i]) * s[i] + absolute(t[i]) * s[3 + i];
+        }
+    }
+    return length3(out);
+}
+
+static double size_by_blocks(const system_problem *p, size_t c, const double *r)
+{
+    double out[3] = {0.0, 0.0, 0.0};
+
+    for (size_t k = p->row_starts[c]; k < p->row_starts[c + 1]; k++) {
+        const double *w = p->blocks + 9 * k;
+        const double *x = r + 3 * (size_t)p->columns[k];
+        for (int i = 0; i < 3; i++)
+            out[i] += absolute(w[3 * i] * x[0]) + absolute(w[3 * i + 1] * x[1]) +
+                      absolute(w[3 * i + 2] * x[2]);
+    }
+    return length3(out);
+}
+
+/* V of a contact; sizes: of sizes_of_bodies, or null. */
+static double velocity_scale(const system_problem *p, size_t c, const double *r,
+                             const double *sizes)
+{
+    const double own = length3(p->q + 3 * c);
+    return own + (p->bodies != 0 ? size_by_bodies(p, c, sizes) : size_by_blocks(p, c, r));
+}
+
 /* ---- measures of one contact ----------------------------------------------------------------- */
 
 typedef struct measured {
     double eta, signorini, cone, misalignment;
 } measured;
-
-static double length3(const double x[3])
-{
-    return sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
-}
 
 static double greatest_diagonal(const double w[9])
 {
@@ -140,23 +219,15 @@ static double forbidden(const double r[3], const double u[3], const double mu[2]
     return mu[0] > mu[1] && beyond > 0.0 ? lesser(beyond / p, planar_length(u[1], u[2]) / v) : 0.0;
 }
 
-static measured measure_contact(const system_problem *problem, size_t c, const double *r,
+/* v: the contact's scale of velocities. */
+static measured measure_contact(const system_problem *problem, size_t c, double v, const double *r,
                                 const double *u)
 {
-    const double *w = problem->diagonal + 9 * c;
     const double *mu = problem->mu + 2 * c;
-    const double most = greatest_diagonal(w);
-    measured out = {0.0, 0.0, 0.0, 0.0};
-    double alone[3];
-    double force[3];
-
-    for (int k = 0; k < 3; k++) {
-        const double *row = w + 3 * k;
-        alone[k] = u[k] - (row[0] * r[0] + row[1] * r[1] + row[2] * r[2]);
-        force[k] = absolute(row[0] * r[0]) + absolute(row[1] * r[1]) + absolute(row[2] * r[2]);
-    }
-    const double v = length3(alone) + length3(force);
+    const double most = greatest_diagonal(problem->diagonal + 9 * c);
     const double p = v / most;
+    measured out = {0.0, 0.0, 0.0, 0.0};
+
     if (v == 0.0)
         return out;
     const double fit = fitting(r, mu);
@@ -186,12 +257,16 @@ static double squared_map(const system_problem *problem, double sigma, const dou
     return sum;
 }
 
-static double greatest_eta(const system_problem *problem, const double *r, const double *u)
+static double greatest_eta(const system_problem *problem, const double *r, const double *u,
+                           double *scratch)
 {
     double most = 0.0;
 
+    if (problem->bodies != 0)
+        sizes_of_bodies(problem, r, scratch);
     for (size_t c = 0; c < problem->count; c++) {
-        const double eta = measure_contact(problem, c, r + 3 * c, u + 3 * c).eta;
+        const double v = velocity_scale(problem, c, r, scratch);
+        const double eta = measure_contact(problem, c, v, r + 3 * c, u + 3 * c).eta;
         if (!(eta <= most))
             most = eta;
     }
@@ -199,10 +274,10 @@ static double greatest_eta(const system_problem *problem, const double *r, const
 }
 
 double certificate_distance(const system_problem *problem, const goal *wanted, const double *r,
-                            const double *u)
+                            const double *u, double *scratch)
 {
     if (wanted->measure == TRIBO_MEASURE_ETA)
-        return greatest_eta(problem, r, u) / wanted->tolerance;
+        return greatest_eta(problem, r, u, scratch) / wanted->tolerance;
     const double map = sqrt(squared_map(problem, wanted->sigma, r, u));
     return map == 0.0 ? 0.0 : map / wanted->limit;
 }
@@ -228,16 +303,18 @@ static double mean_diagonal(const system_problem *problem)
 }
 
 void certificate_write(const system_problem *problem, const double *r, const double *u,
-                       tribo_system_info *info)
+                       double *scratch, tribo_system_info *info)
 {
     const size_t numbers = 3 * (size_t)problem->count;
     const double q_size = length(numbers, problem->q);
     double squares = 0.0;
 
     info->eta = info->signorini = info->cone = info->misalignment = 0.0;
+    if (problem->bodies != 0)
+        sizes_of_bodies(problem, r, scratch);
     for (size_t c = 0; c < problem->count; c++) {
-        const double *own = r + 3 * c;
-        const measured m = measure_contact(problem, c, own, u + 3 * c);
+        const double v = velocity_scale(problem, c, r, scratch);
+        const measured m = measure_contact(problem, c, v, r + 3 * c, u + 3 * c);
         squares += m.eta * m.eta;
         info->eta = greater(info->eta, m.eta);
         info->signorini = greater(info->signorini, m.signorini);

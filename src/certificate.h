@@ -15,13 +15,13 @@ typedef struct goal {
 /* u = q + W r. Bodies form: also dv = M^-1 J^T r, 6 per body; the assembled form has none. */
 void certificate_velocity(const system_problem *problem, const double *r, double *dv, double *u);
 
-/* The measure over the goal's bound: 1 or less is there. */
+/* The measure over the goal's bound: 1 or less is there. scratch: 6 per body, in the bodies form. */
 double certificate_distance(const system_problem *problem, const goal *wanted, const double *r,
-                            const double *u);
+                            const double *u, double *scratch);
 
 /* Write the measures of impulses to info; the rest of it is left as it is. */
 void certificate_write(const system_problem *problem, const double *r, const double *u,
-                       tribo_system_info *info);
+                       double *scratch, tribo_system_info *info);
 
 /* Write the change of energy and its scale. */
 void certificate_energy(const system_problem *problem, const double *r, const double *u,

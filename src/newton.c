@@ -126,9 +126,10 @@ static uint32_t map_contact(const newton *n, size_t c, const double *r, const do
     cone_project(y, mu, projected);
     for (int k = 0; k < 3; k++)
         f[k] = g * r[k] - projected[k];
-    if (projected[0] == 0.0)
-        return OPEN;
-    return projected[0] == y[0] && projected[1] == y[1] && projected[2] == y[2] ? STICK : SLIP;
+    /* A tie counts as closed: a stack is met from below, with all interfaces but one at rest. */
+    if (y[0] >= 0.0 && projected[0] == y[0] && projected[1] == y[1] && projected[2] == y[2])
+        return STICK;
+    return projected[0] > 0.0 ? SLIP : OPEN;
 }
 
 static double map_all(newton *n, const double *r, const double *u, double *f, uint8_t *mode)
@@ -695,7 +696,7 @@ static double judge(newton *n, const goal *wanted, double *distance, double *lea
     n->alpha = 0.0;
     const double f = map_all(n, n->next_r, n->next_u, n->next_f, n->next_mode);
     n->alpha = alpha;
-    *distance = certificate_distance(n->problem, wanted, n->next_r, n->next_u);
+    *distance = certificate_distance(n->problem, wanted, n->next_r, n->next_u, n->dv);
     if (*distance < *least) {
         *least = *distance;
         copy(3 * count, n->next_r, n->best);
@@ -747,7 +748,7 @@ double newton_solve(newton *n, const system_problem *problem, const goal *wanted
         if (solved && now < 10.0 * outer) {
             outer = now;
             if (steps < QUICK_STEPS)
-                n->alpha = greater(n->alpha / 3.0, LEAST_ALPHA * size);
+                n->alpha = greater(n->alpha / (steps <= 2 ? 10.0 : 3.0), LEAST_ALPHA * size);
         } else {
             n->alpha *= 5.0;
             if (now <= 10.0 * outer) {

@@ -40,7 +40,7 @@ static uint32_t halt(void *context)
 static double distance_of(solver *s, const system_problem *p, const goal *wanted, const double *r)
 {
     certificate_velocity(p, r, s->dv, s->u);
-    return certificate_distance(p, wanted, r, s->u);
+    return certificate_distance(p, wanted, r, s->u, s->v);
 }
 
 static void copy(size_t count, const double *from, double *to)

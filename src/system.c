@@ -506,7 +506,7 @@ static int certify(plan *p, tribo_system_info *info)
     const system_problem problem = whole_problem(p);
 
     certificate_velocity(&problem, p->plastic, p->solver.dv, p->solver.u);
-    certificate_write(&problem, p->plastic, p->solver.u, info);
+    certificate_write(&problem, p->plastic, p->solver.u, p->solver.v, info);
     certificate_velocity(&problem, p->r, p->solver.dv, p->solver.u);
     certificate_energy(&problem, p->r, p->solver.u, info);
     return all_finite(&info->energy, 1) && all_finite(&info->invariant, 1) &&
