@@ -7,6 +7,8 @@
 /* Sweeps that are tried before Newton, and the most that may still be missing by the rate seen. */
 #define FIRST_SWEEPS 8
 #define MOST_SWEEPS 64
+/* Newton starts from what the sweeps gave if it is nearer than this share of the start. */
+#define WORTH_KEEPING 1e-3
 /* Sweeps of Gauss-Seidel that smooth what Newton left, where it stalled. */
 #define SMOOTHING_SWEEPS 256
 
@@ -122,11 +124,16 @@ static void solve_fixed(solver *s, const system_problem *p, const double *free_v
     const uint32_t can = s->newton != NULL && newton_possible(p->count, p->bodies, &s->run);
     const uint32_t use_newton = asked != TRIBO_SOLVER_GAUSS_SEIDEL && can;
     uint64_t sweeps = 0;
-    double distance = distance_of(s, p, wanted, r);
+    const double first = distance_of(s, p, wanted, r);
+    double distance = first;
 
+    copy(3 * (size_t)p->count, r, s->start_r);
     if (distance > 1.0 && asked != TRIBO_SOLVER_NEWTON)
         distance = sweep_until(s, p, free_velocity, wanted, s->most,
                                use_newton ? (double)MOST_SWEEPS : 0.0, r, &sweeps);
+    /* Few sweeps spoil the contacts of a stack at rest, which Newton finds at once from nothing. */
+    if (use_newton && distance > WORTH_KEEPING * first)
+        copy(3 * (size_t)p->count, s->start_r, r);
     for (int round = 0; distance > 1.0 && use_newton && round < 3; round++) {
         s->info->solver = TRIBO_SOLVER_NEWTON;
         distance = run_newton(s, p, wanted, r);

@@ -17,8 +17,9 @@ typedef struct solver {
 
     newton *newton; /* null: not asked for */
     void *sweep_memory;
-    double *dv, *u, *v, *held; /* 6 per body; 3 per contact; 6 per body; 3 per contact */
-    double *mu;                /* 2 per contact: the coefficients in force */
+    double *dv, *v;             /* 6 per body */
+    double *u, *held, *start_r; /* 3 per contact */
+    double *mu;                 /* 2 per contact: the coefficients in force */
 } solver;
 
 /* Seconds by the clock of the options. */
