@@ -558,8 +558,14 @@ if command -v gnuplot >/dev/null; then
                 grep -q ">$law<" "$file" || { echo "$file has no $law"; return 1; }
             done
         done
+        local file=$work/demo/manifolds.svg
+        for title in "box on box" "capsule over the edge" "hull on a sloping plane"; do
+            grep -q "$title" "$file" || { echo "$file has no $title"; return 1; }
+        done
+        # two points of the capsule, four of each of the others
+        [ "$(grep -c "xlink:href='#gpPt6'" "$file")" = 10 ] && grep -q '</svg>' "$file"
     }
-    check "demo writes three pictures with all laws" demo_pictures
+    check "demo writes pictures with all laws and three manifolds" demo_pictures
     demo_odd_folder() # a quotation mark in its name
     {
         expect 0 '' demo --out "$work/it's" && [ -s "$work/it's/throw.svg" ]
@@ -571,8 +577,8 @@ if command -v gnuplot >/dev/null; then
     }
     check "demo into a folder that cannot be made" demo_no_folder
 else
-    for name in "demo writes three pictures with all laws" "demo into a folder with an odd name" \
-        "demo into a folder that cannot be made"; do
+    for name in "demo writes pictures with all laws and three manifolds" \
+        "demo into a folder with an odd name" "demo into a folder that cannot be made"; do
         skip "$name" "gnuplot is not installed"
     done
 fi
@@ -589,7 +595,8 @@ demo_tables() # what each law promises
     expect 0 'tribo: gnuplot' demo || return 1
     awk '
         /^The whole throw/ { part = 2 }
-        /^Speed against error/ { part = 3 }
+        /^Speed against error: / { part = 3 }
+        /^Speed against error of manifolds/ { part = 4 }
         part == 2 && NF >= 9 && $2 ~ /^[0-9]+$/ {
             broken[$1] = $9 " " $10
             momentum[$1] = $8
@@ -607,6 +614,17 @@ demo_tables() # what each law promises
         }' "$work/out" || { cat "$work/out"; return 1; }
 }
 check "demo: what each law keeps and breaks" demo_tables
+demo_manifolds() # the table: no normal is wrong, and depths are right
+{
+    expect 0 'tribo: gnuplot' demo || return 1
+    awk '
+        /^Speed against error of manifolds/ { on = 1 }
+        !on || NF < 7 || $(NF - 1) != "%" { next }
+        { rows++; bad += $(NF - 2) != 0 || $(NF - 3) > 1e-11 || $(NF - 3) <= 0 || $NF < 1 }
+        END { exit bad || rows != 4 }' "$work/out" ||
+        { sed -n '/of manifolds/,$p' "$work/out"; return 1; }
+}
+check "demo: manifolds of boxes by each method" demo_manifolds
 
 # ---- recorded problems of one contact -----------------------------------------------------------
 

@@ -284,3 +284,172 @@ int plot_survey(const char *folder, const char *name, const survey_result *resul
     fputc('\n', gnuplot);
     return end_plot(gnuplot, name);
 }
+
+/* ---- manifolds ------------------------------------------------------------------------------- */
+
+/* Axes of the picture in the world: right, up, and towards the eye. */
+static const double VIEW[3][3] = {{0.85716730070211233, 0.51503807491005416, 0.0},
+                                  {-0.20948485764513794, 0.34864135044192218, 0.91354545764260087},
+                                  {0.47051069384706956, -0.78306129399618407, 0.40673664307580021}};
+
+static void put_point(FILE *gnuplot, const double x[3])
+{
+    fprintf(gnuplot, "%.5g %.5g\n", tribo_vec3_dot(VIEW[0], x), tribo_vec3_dot(VIEW[1], x));
+}
+
+static void to_world(const tribo_pose *pose, const double local[3], double x[3])
+{
+    tribo_quat_rotate(pose->orientation, local, x);
+    tribo_vec3_add(pose->position, x, x);
+}
+
+/* What is seen of a convex shape against the light: its support points around the view. */
+static void put_silhouette(FILE *gnuplot, const tribo_shape *shape, const tribo_pose *pose)
+{
+    enum { STEPS = 180 };
+    double way[3], local[3], point[3];
+
+    for (int i = 0; i <= STEPS; i++) {
+        const double angle = 6.2831853071795865 * i / STEPS;
+        tribo_vec3_scale(cos(angle), VIEW[0], way);
+        tribo_vec3_add_scaled(way, sin(angle), VIEW[1], way);
+        tribo_quat_rotate_inverse(pose->orientation, way, local);
+        if (tribo_shape_support(shape, local, point) == TRIBO_OK) {
+            to_world(pose, point, point);
+            put_point(gnuplot, point);
+        }
+    }
+}
+
+/* Faces of a polyhedron, each once: those that `side` of it shows the eye (1) or hides from it. */
+static void put_faces(FILE *gnuplot, const tribo_shape *shape, const tribo_pose *pose, int side)
+{
+    enum { DIRECTIONS = 400, FACES = 32 };
+    double points[3 * TRIBO_MAX_FACE], normals[FACES][3], x[3];
+    uint32_t count = 0;
+
+    for (int i = 0, faces = 0; i < DIRECTIONS && faces < FACES; i++) {
+        /* A spiral from pole to pole, evenly spread. */
+        const double z = 1.0 - (2.0 * i + 1.0) / DIRECTIONS, turn = 2.3999632297286533 * i;
+        const double r = sqrt(1.0 - z * z), way[3] = {r * cos(turn), r * sin(turn), z};
+        double *n = normals[faces];
+        int known = 0;
+        if (tribo_shape_face(shape, way, TRIBO_MAX_FACE, points, &count, n) != TRIBO_OK ||
+            count < 3)
+            continue;
+        for (int k = 0; k < faces && !known; k++)
+            known = tribo_vec3_dot(n, normals[k]) > 0.999;
+        faces += !known;
+        tribo_quat_rotate(pose->orientation, n, x);
+        if (known || (tribo_vec3_dot(x, VIEW[2]) > 0.0) != side)
+            continue;
+        for (uint32_t k = 0; k <= count; k++) {
+            to_world(pose, points + 3 * (k % count), x);
+            put_point(gnuplot, x);
+        }
+        fputc('\n', gnuplot);
+    }
+}
+
+/* A square of a half-space around the origin of its pose. */
+static void put_square(FILE *gnuplot, const tribo_pose *pose)
+{
+    static const double corners[5][3] = {
+        {-0.7, -0.7, 0.0}, {0.7, -0.7, 0.0}, {0.7, 0.7, 0.0}, {-0.7, 0.7, 0.0}, {-0.7, -0.7, 0.0}};
+    double x[3];
+
+    for (int i = 0; i < 5; i++) {
+        to_world(pose, corners[i], x);
+        put_point(gnuplot, x);
+    }
+}
+
+/* Blocks of panel k: $base and $edges of B, $hidden, $shown and $outline of A, $patch and $normals
+ * of the contact. */
+static void put_scene(FILE *gnuplot, int k, const manifold_scene *scene)
+{
+    const tribo_shape *a = &scene->shapes[0], *b = &scene->shapes[1];
+    const tribo_manifold *contact = &scene->manifold;
+    double x[3];
+
+    fprintf(gnuplot, "$base%d << END\n", k);
+    if (b->type == TRIBO_SHAPE_HALFSPACE)
+        put_square(gnuplot, &scene->poses[1]);
+    else
+        put_silhouette(gnuplot, b, &scene->poses[1]);
+    fprintf(gnuplot, "END\n$edges%d << END\n", k);
+    if (b->type != TRIBO_SHAPE_HALFSPACE)
+        put_faces(gnuplot, b, &scene->poses[1], 1);
+    fprintf(gnuplot, "END\n$outline%d << END\n", k);
+    put_silhouette(gnuplot, a, &scene->poses[0]);
+    for (int side = 0; side < 2; side++) {
+        fprintf(gnuplot, "END\n$%s%d << END\n", side ? "shown" : "hidden", k);
+        put_faces(gnuplot, a, &scene->poses[0], side);
+    }
+    fprintf(gnuplot, "END\n$patch%d << END\n", k);
+    for (uint32_t i = 0; i <= contact->count; i++) {
+        tribo_vec3_add(scene->poses[0].position, contact->points[i % contact->count].arm_a, x);
+        put_point(gnuplot, x);
+    }
+    fprintf(gnuplot, "END\n$normals%d << END\n", k);
+    for (uint32_t i = 0; i < contact->count; i++) {
+        tribo_vec3_add(scene->poses[0].position, contact->points[i].arm_a, x);
+        fprintf(gnuplot, "%.5g %.5g %.5g %.5g\n", tribo_vec3_dot(VIEW[0], x),
+                tribo_vec3_dot(VIEW[1], x), 0.3 * tribo_vec3_dot(VIEW[0], contact->normal),
+                0.3 * tribo_vec3_dot(VIEW[1], contact->normal));
+    }
+    fputs("END\n", gnuplot);
+}
+
+/* A panel without frame; a block without lines is left out, as gnuplot has no use for it. */
+static void plot_scene(FILE *gnuplot, int k, const manifold_scene *scene)
+{
+    const int faces = scene->shapes[0].type != TRIBO_SHAPE_CAPSULE;
+    const int box = scene->shapes[1].type != TRIBO_SHAPE_HALFSPACE;
+
+    fprintf(gnuplot,
+            "set lmargin at screen %g\nset rmargin at screen %g\nset title '%s' font ',16' offset "
+            "0,-0.6\n"
+            "plot $base%d with filledcurves closed fillcolor '#e8edf2' fillstyle solid border"
+            " linecolor '#8fa3b3'",
+            k / 3.0 + 0.01, (k + 1) / 3.0 - 0.01, scene->title, k);
+    if (box)
+        fprintf(gnuplot, ", $edges%d with lines linecolor '#8fa3b3' linewidth 1.4", k);
+    if (faces)
+        fprintf(gnuplot, ", $hidden%d with lines linecolor '#7fb2d6' linewidth 0.9 dashtype 2", k);
+    fprintf(gnuplot,
+            ", $patch%d with filledcurves closed fillcolor '#E69F00' fillstyle transparent solid"
+            " 0.45 noborder, $patch%d with lines linecolor '#D55E00' linewidth 1.2",
+            k, k);
+    if (faces)
+        fprintf(gnuplot, ", $shown%d with lines linecolor '#0072B2' linewidth 1.4", k);
+    fprintf(gnuplot,
+            ", $outline%d with lines linecolor '#0072B2' linewidth 1.8"
+            ", $normals%d using 1:2:3:4 with vectors filled head linecolor '#000000' linewidth 1.6"
+            ", $normals%d using 1:2 with points pointtype 7 pointsize 0.8 linecolor '#D55E00'\n",
+            k, k, k);
+}
+
+int plot_manifolds(const char *folder, const char *name, const manifold_scene *scenes)
+{
+    FILE *gnuplot = begin_plot(folder, name, 1200, 360);
+
+    if (gnuplot == NULL)
+        return CLI_BAD_INPUT;
+    for (int k = 0; k < MANIFOLD_SCENES; k++)
+        put_scene(gnuplot, k, &scenes[k]);
+    /* All panels have 181 pixels to the metre. */
+    fputs("set multiplot\n"
+          "set label 1 'Contact manifolds: the points, and the normal from the lower body to the"
+          " upper one' at screen 0.5,0.945 center font ',19'\n"
+          "unset border\nunset tics\nunset grid\n"
+          "set bmargin at screen 0.02\nset tmargin at screen 0.805\n"
+          "set xrange [-1.04:1.04]\nset yrange [-0.83:0.733]\n",
+          gnuplot);
+    for (int k = 0; k < MANIFOLD_SCENES; k++) {
+        plot_scene(gnuplot, k, &scenes[k]);
+        fputs("unset label\n", gnuplot);
+    }
+    fputs("unset multiplot\n", gnuplot);
+    return end_plot(gnuplot, name);
+}

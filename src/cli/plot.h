@@ -5,6 +5,7 @@
 #ifndef TRIBO_CLI_PLOT_H
 #define TRIBO_CLI_PLOT_H
 
+#include "manifold.h"
 #include "survey.h"
 #include "throw.h"
 
@@ -20,5 +21,8 @@ int plot_cone(const char *folder, const char *name, const throw_record *records)
 
 /** Speed against error of the laws. */
 int plot_survey(const char *folder, const char *name, const survey_result *results);
+
+/** The manifolds of the scenes: shapes, contact points and normals, seen from above the side. */
+int plot_manifolds(const char *folder, const char *name, const manifold_scene *scenes);
 
 #endif
