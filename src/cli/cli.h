@@ -19,6 +19,7 @@ enum {
 int cli_impact(int argc, char **argv);
 int cli_toss(int argc, char **argv);
 int cli_collide(int argc, char **argv);
+int cli_solve(int argc, char **argv);
 int cli_demo(int argc, char **argv);
 
 /** Print "tribo: " and the message to standard error; returns `exit_status`. */
