@@ -353,6 +353,17 @@ uint32_t clip_faces(const pair_query *query, const pair_face faces[2], int refer
     return overlap(frame, p, reference, points);
 }
 
+static uint32_t deepest_of(const pair_point *points, uint32_t count)
+{
+    uint32_t deepest = 0;
+    for (uint32_t i = 1; i < count; i++) {
+        if (points[i].distance < points[deepest].distance) {
+            deepest = i;
+        }
+    }
+    return deepest;
+}
+
 /* ---- degenerate faces ----------------------------------------------------------------------- */
 
 /* One point, of a curved place at least on one side. */
@@ -435,6 +446,10 @@ static uint32_t touch_at_edges(const double frame[9], const polygon p[2], double
         }
         count++;
     }
+    const double least = points[deepest_of(points, count)].distance;
+    for (uint32_t k = 0; k < count; k++) {
+        points[k].distance += distance - least; /* the axis may lean on an end of either */
+    }
     return count;
 }
 
@@ -477,17 +492,6 @@ static int choose_reference(const pair_face faces[2], const double normal[3], do
     const int reference = b > a + 4.0 * TRIBO_EPS ? 1 : 0;
     *cosine = reference == 0 ? a : b;
     return reference;
-}
-
-static uint32_t deepest_of(const pair_point *points, uint32_t count)
-{
-    uint32_t deepest = 0;
-    for (uint32_t i = 1; i < count; i++) {
-        if (points[i].distance < points[deepest].distance) {
-            deepest = i;
-        }
-    }
-    return deepest;
 }
 
 /* ---- where two shapes touch, by supports alone ---------------------------------------------- */
@@ -614,6 +618,37 @@ static uint32_t add_witness(const pair_query *query, const pair_face faces[2],
     return 1;
 }
 
+static int is_over(const polygon *p, double winding, double slack, double u, double v)
+{
+    int over = 1;
+    for (uint32_t j = 0; j < p->count; j++) {
+        const line l = side_line(p, j, winding);
+        over = over && line_value(&l, u, v) >= -slack * l.length;
+    }
+    return over;
+}
+
+/* A user's shape that tells no face may be flat all the same: then its support point is one of many
+ * as far, and lies beside the other shape. */
+static int is_beside(const pair_query *query, const pair_face faces[2], const double frame[9])
+{
+    polygon p[2];
+    flatten(&faces[0], frame, &p[0]);
+    flatten(&faces[1], frame, &p[1]);
+    const int a_is_vague = p[0].count == 1 && query->a->type == TRIBO_SHAPE_CONVEX;
+    const int b_is_vague = p[1].count == 1 && query->b->type == TRIBO_SHAPE_CONVEX;
+    if (p[0].count > 1 || p[1].count > 1) {
+        const int side = p[0].count > 1 ? 0 : 1;
+        const double *u = p[1 - side].u;
+        const double *v = p[1 - side].v;
+        return (side == 0 ? b_is_vague : a_is_vague) &&
+               (p[side].count == 2 || !is_over(&p[side], winding_of(side), RIDGE, u[0], v[0]));
+    }
+    const double room = RIDGE * (extent(faces[0].points) + extent(faces[1].points));
+    return (a_is_vague || b_is_vague) &&
+           (absolute(p[0].u[0] - p[1].u[0]) > room || absolute(p[0].v[0] - p[1].v[0]) > room);
+}
+
 /* ---- two faces ------------------------------------------------------------------------------ */
 
 /* Points of two faces of which the one that clips lies across the normal. */
@@ -660,10 +695,11 @@ static uint32_t touch(const pair_query *query, const pair_face faces[2], const p
     polygon p[2];
     double cosine;
     *size = 0.0;
-    if (faces[0].count == 1 || faces[1].count == 1) {
-        return touch_at_point(faces, axis, points);
-    }
     frame_of(axis->normal, frame);
+    if (faces[0].count == 1 || faces[1].count == 1) {
+        return is_beside(query, faces, frame) ? add_witness(query, faces, frame, axis, points)
+                                              : touch_at_point(faces, axis, points);
+    }
     flatten(&faces[0], frame, &p[0]);
     flatten(&faces[1], frame, &p[1]);
     *size = lesser(p[0].size, p[1].size);
@@ -706,16 +742,6 @@ void clip_manifold(const pair_query *query, const pair_axis *axis, tribo_manifol
 }
 
 /* ---- one face that is given ----------------------------------------------------------------- */
-
-static int is_over(const polygon *p, double winding, double slack, double u, double v)
-{
-    int over = 1;
-    for (uint32_t j = 0; j < p->count; j++) {
-        const line l = side_line(p, j, winding);
-        over = over && line_value(&l, u, v) >= -slack * l.length;
-    }
-    return over;
-}
 
 /* The lowest point of A, if it lies over the polygon and is lower than all others. */
 static uint32_t add_lowest(const pair_query *query, const polygon p[2], const double frame[9],

@@ -231,9 +231,11 @@ static uint32_t capsule_line(const pair_query *query, const segments *g, double 
     segments end = *g;
     for (int k = 0; k < 2; k++) {
         double aside[3];
-        end.s = within(k == 0 ? middle - reach : middle + reach, g->half[0]);
+        const double to = k == 0 ? middle - reach : middle + reach;
+        const double end_of_b = (k == 0) == (g->cosine > 0.0) ? -g->half[1] : g->half[1];
+        end.s = within(to, g->half[0]);
         const double t = end.s * g->cosine - tribo_vec3_dot(g->b, g->offset);
-        end.t = within(t, g->half[1]);
+        end.t = end.s == to ? end_of_b : within(t, g->half[1]);
         separate(&end);
         tribo_vec3_add_scaled(end.apart, 0.0 - tribo_vec3_dot(end.apart, normal), normal, aside);
         if (!(extent(aside) <= LINE_OF_CONTACT * length)) {

@@ -950,6 +950,7 @@ static void onto(const crease *k, const double v[3], double n[3])
     for (int i = 0; i < 3; i++) {
         n[i] = k->along * k->axis[i] + side * across[i];
     }
+    (void)unit(n, n); /* beside the axis what is left across it is not square to it */
 }
 
 /* Crease i of a face: that of its edge, or of the line of a cone. Returns whether it is one and the
