@@ -89,7 +89,7 @@ HEADERS := $(wildcard include/tribo/*.h)
 # What libtribo adds to libtribo_core: shapes and their contacts, sparse factorisations.
 FULL := broad clip closed collide convex hull mesh shape sparse
 FULL_SOURCES := $(FULL:%=src/%.c)
-FULL_LIBS := -lccd -lqhull_r -lcholmod -lklu -lumfpack
+FULL_LIBS := -lccd -lqhull_r -lcholmod -lklu -lumfpack -lsuitesparseconfig
 # Compiled once per instruction set.
 LANES_SOURCES := $(wildcard src/*_lanes.c)
 LIB_SOURCES := $(filter-out $(LANES_SOURCES) $(FULL_SOURCES),$(wildcard src/*.c))
