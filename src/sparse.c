@@ -34,7 +34,7 @@ struct tribo_sparse {
 
     cholmod_common cholmod;
     cholmod_factor *cholesky;
-    cholmod_dense *x, *y, *e; /* CHOLMOD keeps them from solve to solve */
+    cholmod_dense *x, *y, *e; /* work of cholmod_solve2 */
 
     klu_common klu;
     klu_symbolic *klu_symbolic;
@@ -248,6 +248,16 @@ static tribo_status analyse_symmetric(tribo_sparse *s)
     return s->cholesky ? TRIBO_OK : TRIBO_ERROR_MEMORY;
 }
 
+/* What cholmod_solve2 keeps from solve to solve: where it has to allocate and cannot, it crashes. */
+static int prepare_solve(tribo_sparse *s)
+{
+    const size_t n = (size_t)s->n;
+    const size_t border = s->cholesky->is_super ? s->cholesky->maxesize : 0;
+    return cholmod_ensure_dense(&s->x, n, 1, n, CHOLMOD_REAL, &s->cholmod) &&
+           cholmod_ensure_dense(&s->y, n, 1, n, CHOLMOD_REAL, &s->cholmod) &&
+           cholmod_ensure_dense(&s->e, border, 1, border, CHOLMOD_REAL, &s->cholmod);
+}
+
 static tribo_status factor_symmetric(tribo_sparse *s)
 {
     cholmod_sparse view = cholmod_view(s, s->values);
@@ -257,6 +267,9 @@ static tribo_status factor_symmetric(tribo_sparse *s)
     /* The ratio of the pivots shows what is not finite: it is 0 then. */
     if (s->cholmod.status != CHOLMOD_OK || !(cholmod_rcond(s->cholesky, &s->cholmod) > 0.0)) {
         return TRIBO_ERROR_CONTACT_MATRIX;
+    }
+    if (!prepare_solve(s)) {
+        return TRIBO_ERROR_MEMORY;
     }
     s->factors = CHOLMOD;
     return TRIBO_OK;

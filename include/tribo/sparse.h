@@ -18,6 +18,8 @@
  * default; these are of the whole process. What tribo takes itself comes from the allocator given.
  *
  * Threads: one object is for one thread at a time; any number of objects may be at work at once.
+ * CHOLMOD's supernodal part may start threads of OpenMP, and a threaded BLAS its own; in the
+ * environment OMP_THREAD_LIMIT=1 keeps the former off, which is faster where other threads are busy.
  */
 #ifndef TRIBO_SPARSE_H
 #define TRIBO_SPARSE_H
