@@ -115,7 +115,7 @@ static void sphere_capsule(const pair_query *query, tribo_manifold *out)
 #define SEGMENTS_PARALLEL 1e-14 /* sine of the angle below which it is noise */
 #define SEGMENTS_TOUCH 1e-14    /* of the lengths: below this the direction between them is noise */
 #define LINE_OF_CONTACT \
-    1e-3 /* sideways shift, in terms of the distance, up to which two ends touch too */
+    1e-3 /* sideways shift, by distance and lesser radius, up to which two ends touch too */
 
 /* Two segments: centres on a line from A's to B's, unit directions, half-lengths; where they are
  * nearest. */
@@ -228,6 +228,7 @@ static uint32_t capsule_line(const pair_query *query, const segments *g, double 
 {
     const double middle = tribo_vec3_dot(g->a, g->offset);
     const double reach = absolute(g->cosine) * g->half[1];
+    const double radius = lesser(query->a->size[0], query->b->size[0]);
     segments end = *g;
     for (int k = 0; k < 2; k++) {
         double aside[3];
@@ -238,7 +239,7 @@ static uint32_t capsule_line(const pair_query *query, const segments *g, double 
         end.t = end.s == to ? end_of_b : within(t, g->half[1]);
         separate(&end);
         tribo_vec3_add_scaled(end.apart, 0.0 - tribo_vec3_dot(end.apart, normal), normal, aside);
-        if (!(extent(aside) <= LINE_OF_CONTACT * length)) {
+        if (!(extent(aside) <= LINE_OF_CONTACT * lesser(length, radius))) {
             return 0;
         }
         capsule_point(query, &end, normal, &points[k]);
