@@ -248,7 +248,7 @@ static tribo_status analyse_symmetric(tribo_sparse *s)
     return s->cholesky ? TRIBO_OK : TRIBO_ERROR_MEMORY;
 }
 
-/* What cholmod_solve2 keeps from solve to solve: where it has to allocate and cannot, it crashes. */
+/* The work of cholmod_solve2: where it has to allocate and cannot, it crashes. */
 static int prepare_solve(tribo_sparse *s)
 {
     const size_t n = (size_t)s->n;

@@ -1,4 +1,4 @@
-/* Sparse factorisations: residuals in quad precision and agreement with the dense ones, what is kept
+/* Sparse factorisations: residuals in quad precision, agreement with the dense ones, what is kept
  * between matrices, refusals, and memory that runs out at every place in turn. */
 #include <tribo/sparse.h>
 

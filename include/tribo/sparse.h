@@ -1,7 +1,7 @@
 /**
  * @file sparse.h
- * Sparse factorisations for the Newton solvers of system.h, on SuiteSparse. Part of libtribo (not of
- * libtribo_core).
+ * Sparse factorisations for the Newton solvers of system.h, on SuiteSparse. Part of libtribo (not
+ * of libtribo_core).
  *
  * Symmetric matrices go to CHOLMOD (Chen, Davis, Hager & Rajamanickam, ACM TOMS 35 (2008) 22),
  * others to KLU (Davis & Palamadai Natarajan, ACM TOMS 37 (2010) 36) or UMFPACK (Davis, ACM TOMS 30
@@ -18,8 +18,8 @@
  * default; these are of the whole process. What tribo takes itself comes from the allocator given.
  *
  * Threads: one object is for one thread at a time; any number of objects may be at work at once.
- * CHOLMOD's supernodal part may start threads of OpenMP, and a threaded BLAS its own; in the
- * environment OMP_THREAD_LIMIT=1 keeps the former off, which is faster where other threads are busy.
+ * CHOLMOD's supernodal part may start threads of OpenMP, and a threaded BLAS its own;
+ * OMP_THREAD_LIMIT=1 in the environment keeps the former off: faster where all cores are busy.
  */
 #ifndef TRIBO_SPARSE_H
 #define TRIBO_SPARSE_H
@@ -84,8 +84,8 @@ TRIBO_API void tribo_sparse_destroy(tribo_sparse *sparse);
  *
  *  factor: TRIBO_OK; TRIBO_ERROR_CONTACT_MATRIX (singular, not positive definite, or not finite:
  *  there are no factors then), TRIBO_ERROR_MEMORY, TRIBO_ERROR_NULL, TRIBO_ERROR_CAPACITY (2^31 - 1
- *  entries or rows, or more), TRIBO_ERROR_INDEX (rows that do not follow each other, columns that do
- *  not rise or lie outside, or above the diagonal if symmetric). An unsymmetric matrix is solved
+ *  entries or rows, or more), TRIBO_ERROR_INDEX (rows that do not follow each other, columns that
+ *  do not rise or lie outside, or above the diagonal if symmetric). An unsymmetric matrix is solved
  *  with one step of iterative refinement, which reads the arrays given to factor.
  *
  *  solve: TRIBO_OK; TRIBO_ERROR_CONTACT_MATRIX (no factors), TRIBO_ERROR_MEMORY, TRIBO_ERROR_NULL.
