@@ -329,6 +329,13 @@ static void fill_one(const system_problem *problem, uint32_t c, uint32_t i, swee
     fill_ends(problem, c, i, &g->ends);
 }
 
+static void mark_still(sweep_ends *ends, uint32_t none)
+{
+    for (int i = 0; i < LANES; i++) {
+        ends->still |= ends->a[i] == none || ends->b[i] == none;
+    }
+}
+
 /* Contacts into the lanes of the blocks of their colour, in the order of contacts. */
 static void fill_blocks(sweep *s)
 {
@@ -353,6 +360,12 @@ static void fill_blocks(sweep *s)
         } else {
             fill_three(problem, c, lane % LANES, s->threes + lane / LANES);
         }
+    }
+    for (uint32_t k = 0; k < s->three_count; k++) {
+        mark_still(&s->threes[k].ends, problem->bodies);
+    }
+    for (uint32_t k = 0; k < s->one_count; k++) {
+        mark_still(&s->ones[k].ends, problem->bodies);
     }
 }
 
@@ -421,24 +434,24 @@ static void give_three(const sweep_three *g, size_t i, const double d[3], sweep_
     }
 }
 
-/* The impulse by the branch-free path; 0 if that is not for it. */
-static int solve_usual(const sweep_three *g, size_t i, const sweep_pose *e, double p[3])
+/* The impulse by the branch-free path, and the root of the slip equation; 0 if that is not for
+ * it. */
+static int solve_usual(const sweep_three *g, size_t i, const sweep_pose *e, double *nu, double p[3])
 {
-    double nu = 0.0;
-    int settled = e->mode != KERNEL_SLIP;
-    if (e->mode > KERNEL_SLIP) {
-        return 0;
-    }
-    if (!settled) {
+    int settled = e->mode < KERNEL_SLIP;
+    *nu = g->nu[i];
+    if (e->mode == KERNEL_SLIP) {
         kernel_slip slip;
         sweep_slip_one(g, i, e, &slip);
-        nu = slip.nu;
+        if (!(*nu > 0.0)) {
+            kernel_guess(&slip);
+            *nu = slip.nu;
+        }
         for (int step = 0; step < MAX_HALLEY && !settled; step++) {
-            settled = kernel_halley(&slip, &nu);
+            settled = kernel_halley(&slip, nu);
         }
     }
-    sweep_finish_one(g, i, e, nu, p);
-    return settled && all_finite(p, 3);
+    return settled && sweep_finish_one(g, i, e, *nu, p) == 0.0;
 }
 
 static double three_alone(const system_problem *problem, sweep_three *g, size_t i, sweep_body *x,
@@ -449,13 +462,16 @@ static double three_alone(const system_problem *problem, sweep_three *g, size_t 
     double u[3];
     double p[3];
     double d[3];
+    double nu;
     sweep_pose e;
     int solved = 1;
     load_body(x + g->ends.a[i], of_a);
     load_body(x + g->ends.b[i], of_b);
     sweep_velocity(g, i, of_a, of_b, u);
     sweep_pose_one(g, i, u, &e);
-    if (!solve_usual(g, i, &e, p)) {
+    const int usual = solve_usual(g, i, &e, &nu, p);
+    g->nu[i] = usual && e.mode == KERNEL_SLIP ? nu : 0.0;
+    if (!usual) {
         solved = sweep_solve_odd(problem, g, i, u, p);
     }
     for (int k = 0; k < 3; k++) {

@@ -26,8 +26,8 @@ sweep *sweep_prepare(const system_problem *problem, uint32_t isa, void *memory);
  * solve fails (a jam) keeps its impulse, brought into the cone. Besides the sweeps a run costs
  * about one more: it sums the bodies' velocities from r.
  *
- * Returns the greatest change of a contact in the last sweep, |W_cc dr| / (|q_c| + |W_cc||r_c|), |.|
- * the greatest entry; 1 for one whose solve failed: a cheap guess of how far the solution is. */
+ * Returns the greatest change of a contact in the last sweep, |W_cc dr| / (|q_c| + |W_cc||r_c|) by
+ * greatest entries; 1 for one whose solve failed: a cheap guess of how far the solution is. */
 double sweep_run(sweep *s, uint32_t sweeps, double *r, double *v, tribo_parallel_function parallel,
                  void *user, uint32_t tasks);
 

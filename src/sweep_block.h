@@ -11,7 +11,14 @@
 #include "lanes.h"
 #include "sweep.h"
 
+#define CERTIFIED 1e-9 /* greatest v_n that a slip may leave, to what it is summed from */
+
+/* Rows are lines of the cache. */
+#if defined(__GNUC__)
+typedef double lane_row[LANES] __attribute__((aligned(64)));
+#else
 typedef double lane_row[LANES];
+#endif
 
 /* A body in sweeps: one line of the cache. */
 typedef struct sweep_body {
@@ -27,7 +34,8 @@ typedef struct sweep_ends {
     uint32_t a[LANES], b[LANES];
     uint32_t contact[LANES];
     uint32_t live;
-    uint32_t unused[7];
+    uint32_t still; /* 1: some end is that body */
+    uint32_t unused[6];
 } sweep_ends;
 
 /* Eight contacts with friction. W is scaled by a power of two, as kernel_scale does; inverse_a is 0
@@ -39,7 +47,6 @@ typedef struct sweep_three {
     lane_row nn, n1, n2, t11, t12, t22;
     lane_row scale, inverse_a, mu_s, mu_d;
     lane_row nu; /* root of the slip equation in the last sweep; 0: none */
-    lane_row unused;
 } sweep_three;
 
 /* Eight frictionless contacts. */
@@ -152,7 +159,7 @@ TRIBO_ALWAYS_INLINE void sweep_pose_one(const sweep_three *g, size_t i, const do
     out->mode = sound ? mode : KERNEL_ODD;
 }
 
-/* The slip equation, and where to look for its root. */
+/* The slip equation. */
 TRIBO_ALWAYS_INLINE void sweep_slip_one(const sweep_three *g, size_t i, const sweep_pose *e,
                                         kernel_slip *out)
 {
@@ -165,13 +172,16 @@ TRIBO_ALWAYS_INLINE void sweep_slip_one(const sweep_three *g, size_t i, const sw
     out->beta = unit * (e->c1 * e->e1 + e->c2 * e->e2);
     out->gamma = e->gamma;
     out->least = FAST_CONDITION * e->trace;
-    kernel_guess(out);
 }
 
-TRIBO_ALWAYS_INLINE void sweep_finish_one(const sweep_three *g, size_t i, const sweep_pose *e,
-                                          double nu, double p[3])
+/* New impulse from the root nu. Returns 0; or 1 if it is not finite, or slips and leaves v_n other
+ * than 0: the root was sought from that of the last sweep, which may be far. */
+TRIBO_ALWAYS_INLINE double sweep_finish_one(const sweep_three *g, size_t i, const sweep_pose *e,
+                                            double nu, double p[3])
 {
-    const int slips = e->mode == KERNEL_SLIP;
+    const double mode = e->mode;
+    const int slips = mode == KERNEL_SLIP;
+    const double nn = g->nn[i];
     kernel_slip s;
     s.inverse_a = g->inverse_a[i];
     s.bn = e->bn;
@@ -187,9 +197,19 @@ TRIBO_ALWAYS_INLINE void sweep_finish_one(const sweep_three *g, size_t i, const 
     s.inverse_mu = 1.0 / g->mu_d[i];
     double impulse[3];
     kernel_finish(&s, slips ? nu : 0.0, slips, impulse);
-    for (int k = 0; k < 3; k++) {
-        p[k] = e->mode == KERNEL_OPEN ? 0.0 : impulse[k] * e->up;
-    }
+    const double push = nn * impulse[0];
+    const double left = absolute(push + (s.n1 * impulse[1] + s.n2 * impulse[2]) + s.bn);
+    const double allowed = CERTIFIED * (push + absolute(s.bn));
+    const double p0 = mode == KERNEL_OPEN ? 0.0 : impulse[0] * e->up;
+    const double p1 = mode == KERNEL_OPEN ? 0.0 : impulse[1] * e->up;
+    const double p2 = mode == KERNEL_OPEN ? 0.0 : impulse[2] * e->up;
+    p[0] = p0;
+    p[1] = p1;
+    p[2] = p2;
+    const double probe = (p0 - p0) + (p1 - p1) + (p2 - p2);
+    const double wrong = left <= allowed ? probe : 1.0;
+    const double judged = slips ? wrong : probe;
+    return judged == 0.0 ? 0.0 : 1.0;
 }
 
 /* Give the change d of the impulse to both bodies. */
@@ -242,9 +262,10 @@ TRIBO_ALWAYS_INLINE double sweep_one_impulse(const sweep_one *g, size_t i, const
     const double of_a = g->turn_a[0][i] * a[3] + g->turn_a[1][i] * a[4] + g->turn_a[2][i] * a[5];
     const double of_b = g->turn_b[0][i] * b[3] + g->turn_b[1][i] * b[4] + g->turn_b[2][i] * b[5];
     const double u = g->q[i] + (linear + (of_a - of_b));
-    const double p = (g->w[i] * g->r[i] - u) * g->inverse_w[i];
+    const double r = g->r[i];
+    const double p = (g->w[i] * r - u) * g->inverse_w[i];
     const double closed = p > 0.0 ? p : 0.0;
-    return p - p == 0.0 ? closed : g->r[i];
+    return p - p == 0.0 ? closed : r;
 }
 
 TRIBO_ALWAYS_INLINE void sweep_one_push(const sweep_one *g, size_t i, double d, double mass_a,

@@ -5,6 +5,12 @@
 #ifndef TRIBO_LANES
 #define TRIBO_LANES baseline
 #endif
+/* gcc unrolls small loops inside of larger ones before it looks for vectors: hence no inlining. */
+#if defined(__GNUC__)
+#define STAGE static __attribute__((noinline))
+#else
+#define STAGE static
+#endif
 #define PASTE_TWO(a, b) a##b
 #define PASTE(a, b) PASTE_TWO(a, b)
 
@@ -15,7 +21,74 @@ typedef struct lane_ends {
     lane_row v[3], mass, w[3], unused;
 } lane_ends;
 
-static void gather(const sweep_body *x, const uint32_t *at, lane_ends *restrict out)
+/* Vectors of four would split the rows of eight that AVX-512 reads back. */
+#if defined(__GNUC__) && defined(__has_builtin) && !defined(__AVX512F__)
+#if __has_builtin(__builtin_shufflevector)
+#define HAVE_SHUFFLE 1
+#endif
+#endif
+
+#if defined(HAVE_SHUFFLE)
+
+/* Moves four numbers of four lines into four rows, or back. Compilers make a third as many shuffles
+ * of this as of loops; no number is changed. */
+typedef double four __attribute__((vector_size(32)));
+
+TRIBO_ALWAYS_INLINE void turn_four(const double *const from[4], double *const to[4])
+{
+    four a;
+    four b;
+    four c;
+    four d;
+    memcpy(&a, from[0], sizeof a);
+    memcpy(&b, from[1], sizeof b);
+    memcpy(&c, from[2], sizeof c);
+    memcpy(&d, from[3], sizeof d);
+    const four ab0 = __builtin_shufflevector(a, b, 0, 4, 2, 6);
+    const four ab1 = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+    const four cd0 = __builtin_shufflevector(c, d, 0, 4, 2, 6);
+    const four cd1 = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+    a = __builtin_shufflevector(ab0, cd0, 0, 1, 4, 5);
+    b = __builtin_shufflevector(ab1, cd1, 0, 1, 4, 5);
+    c = __builtin_shufflevector(ab0, cd0, 2, 3, 6, 7);
+    d = __builtin_shufflevector(ab1, cd1, 2, 3, 6, 7);
+    memcpy(to[0], &a, sizeof a);
+    memcpy(to[1], &b, sizeof b);
+    memcpy(to[2], &c, sizeof c);
+    memcpy(to[3], &d, sizeof d);
+}
+
+STAGE void gather(const sweep_body *x, const uint32_t *at, lane_ends *restrict out)
+{
+    for (int i = 0; i < LANES; i += 4) {
+        const sweep_body *const e[4] = {x + at[i], x + at[i + 1], x + at[i + 2], x + at[i + 3]};
+        const double *const linear[4] = {e[0]->v, e[1]->v, e[2]->v, e[3]->v};
+        const double *const angular[4] = {e[0]->w, e[1]->w, e[2]->w, e[3]->w};
+        double *const rows[4] = {out->v[0] + i, out->v[1] + i, out->v[2] + i, out->mass + i};
+        double *const more[4] = {out->w[0] + i, out->w[1] + i, out->w[2] + i, out->unused + i};
+        turn_four(linear, rows);
+        turn_four(angular, more);
+    }
+}
+
+/* Rows to the lines that `to` points to. */
+TRIBO_ALWAYS_INLINE void turn_back(const lane_ends *restrict rows, sweep_body *const to[LANES])
+{
+    for (int i = 0; i < LANES; i += 4) {
+        const double *const linear[4] = {rows->v[0] + i, rows->v[1] + i, rows->v[2] + i,
+                                         rows->mass + i};
+        const double *const angular[4] = {rows->w[0] + i, rows->w[1] + i, rows->w[2] + i,
+                                          rows->unused + i};
+        double *const lines[4] = {to[i]->v, to[i + 1]->v, to[i + 2]->v, to[i + 3]->v};
+        double *const more[4] = {to[i]->w, to[i + 1]->w, to[i + 2]->w, to[i + 3]->w};
+        turn_four(linear, lines);
+        turn_four(angular, more);
+    }
+}
+
+#else
+
+STAGE void gather(const sweep_body *x, const uint32_t *at, lane_ends *restrict out)
 {
     double lines[LANES][8];
     for (int i = 0; i < LANES; i++) {
@@ -33,8 +106,7 @@ static void gather(const sweep_body *x, const uint32_t *at, lane_ends *restrict 
     }
 }
 
-static void scatter(const lane_ends *restrict rows, const uint32_t *at, uint32_t none,
-                    sweep_body *x)
+static void turn_back(const lane_ends *restrict rows, sweep_body *const to[LANES])
 {
     double lines[LANES][8];
     for (int i = 0; i < LANES; i++) {
@@ -48,10 +120,22 @@ static void scatter(const lane_ends *restrict rows, const uint32_t *at, uint32_t
         lines[i][7] = rows->unused[i];
     }
     for (int i = 0; i < LANES; i++) {
-        if (at[i] != none) {
-            memcpy(&x[at[i]], lines[i], sizeof lines[i]);
-        }
+        memcpy(to[i], lines[i], sizeof lines[i]);
     }
+}
+
+#endif
+
+/* Ends that can not move are not written. */
+STAGE void scatter(const lane_ends *restrict rows, const uint32_t *at, uint32_t none,
+                   uint32_t still, sweep_body *x)
+{
+    sweep_body sink;
+    sweep_body *to[LANES];
+    for (int i = 0; i < LANES; i++) {
+        to[i] = still && at[i] == none ? &sink : x + at[i];
+    }
+    turn_back(rows, to);
 }
 
 TRIBO_ALWAYS_INLINE void load_end(const lane_ends *e, int i, double out[6])
@@ -90,8 +174,8 @@ TRIBO_ALWAYS_INLINE sweep_pose pose_of(const lane_pose *p, int i)
     return e;
 }
 
-static void pose_lanes(const sweep_three *restrict g, const lane_ends *restrict a,
-                       const lane_ends *restrict b, lane_pose *restrict out)
+STAGE void pose_lanes(const sweep_three *restrict g, const lane_ends *restrict a,
+                      const lane_ends *restrict b, lane_pose *restrict out)
 {
     for (int i = 0; i < LANES; i++) {
         double of_a[6];
@@ -124,8 +208,8 @@ typedef struct lane_slip {
     lane_row A, B, C, alpha, beta, gamma, least, nu;
 } lane_slip;
 
-static void slip_lanes(const sweep_three *restrict g, const lane_pose *restrict pose,
-                       lane_slip *restrict out)
+STAGE void slip_lanes(const sweep_three *restrict g, const lane_pose *restrict pose,
+                      lane_slip *restrict out)
 {
     for (int i = 0; i < LANES; i++) {
         const sweep_pose e = pose_of(pose, i);
@@ -138,70 +222,93 @@ static void slip_lanes(const sweep_three *restrict g, const lane_pose *restrict 
         out->beta[i] = s.beta;
         out->gamma[i] = s.gamma;
         out->least[i] = s.least;
-        out->nu[i] = s.nu;
+    }
+}
+
+TRIBO_ALWAYS_INLINE kernel_slip slip_of(const lane_slip *s, int i)
+{
+    kernel_slip e;
+    e.A = s->A[i];
+    e.B = s->B[i];
+    e.C = s->C[i];
+    e.alpha = s->alpha[i];
+    e.beta = s->beta[i];
+    e.gamma = s->gamma[i];
+    e.least = s->least[i];
+    e.nu = s->nu[i];
+    return e;
+}
+
+/* Guesses for the lanes that have no root yet. */
+STAGE void guess_lanes(lane_slip *restrict slip)
+{
+    for (int i = 0; i < LANES; i++) {
+        kernel_slip e = slip_of(slip, i);
+        const double nu = e.nu;
+        kernel_guess(&e);
+        slip->nu[i] = nu > 0.0 ? nu : e.nu;
     }
 }
 
 /* One step of all lanes that slip and have not settled; open[i] is 1 there. Returns how many go
  * on. */
-static double step_lanes(lane_slip *restrict slip, double *restrict open)
+STAGE double step_lanes(lane_slip *restrict slip, double *restrict open)
 {
     double left = 0.0;
     for (int i = 0; i < LANES; i++) {
-        kernel_slip e;
-        e.A = slip->A[i];
-        e.B = slip->B[i];
-        e.C = slip->C[i];
-        e.alpha = slip->alpha[i];
-        e.beta = slip->beta[i];
-        e.gamma = slip->gamma[i];
-        e.least = slip->least[i];
-        double nu = slip->nu[i];
+        const kernel_slip e = slip_of(slip, i);
+        double nu = e.nu;
         const int settled = kernel_halley(&e, &nu);
-        slip->nu[i] = open[i] != 0.0 ? nu : slip->nu[i];
+        slip->nu[i] = open[i] != 0.0 ? nu : e.nu;
         open[i] = settled ? 0.0 : open[i];
         left += open[i];
     }
     return left;
 }
 
-/* Lanes that slip in `mode` to their root; open[i] is 1 where that does not settle. */
-static void settle_lanes(const sweep_three *g, const lane_pose *pose, double *restrict nu,
-                         double *restrict open)
+/* Lanes that slip to their roots, from those of the last sweep on; open[i] is 1 where that does not
+ * settle. */
+STAGE void settle_lanes(sweep_three *restrict g, const lane_pose *restrict pose,
+                        double *restrict open)
 {
+    lane_slip slip;
     double left = 0.0;
+    double new = 0.0;
     for (int i = 0; i < LANES; i++) {
-        nu[i] = 0.0;
-        open[i] = pose->mode[i] == KERNEL_SLIP ? 1.0 : 0.0;
-        left += open[i];
+        const double slips = pose->mode[i] == KERNEL_SLIP ? 1.0 : 0.0;
+        open[i] = slips;
+        left += slips;
+        new += g->nu[i] > 0.0 ? 0.0 : slips;
     }
-    if (left > 0.0) {
-        lane_slip slip;
-        slip_lanes(g, pose, &slip);
-        for (int step = 0; step < MAX_HALLEY && left > 0.0; step++) {
-            left = step_lanes(&slip, open);
-        }
-        memcpy(nu, slip.nu, sizeof slip.nu);
+    if (left == 0.0) {
+        return;
     }
+    slip_lanes(g, pose, &slip);
+    memcpy(slip.nu, g->nu, sizeof slip.nu);
+    if (new > 0.0) {
+        guess_lanes(&slip);
+    }
+    for (int step = 0; step < MAX_HALLEY && left > 0.0; step++) {
+        left = step_lanes(&slip, open);
+    }
+    memcpy(g->nu, slip.nu, sizeof slip.nu);
 }
 
 /* New impulses p; odd[i] becomes 1 where a lane wants a closer look. Returns how many. */
-static double finish_lanes(const sweep_three *restrict g, const lane_pose *restrict pose,
-                           const double *restrict nu, const double *restrict open,
-                           lane_row *restrict p, double *restrict odd)
+STAGE double finish_lanes(sweep_three *restrict g, const lane_pose *restrict pose,
+                          const double *restrict open, lane_row *restrict p, double *restrict odd)
 {
     for (int i = 0; i < LANES; i++) {
         const sweep_pose e = pose_of(pose, i);
+        const double nu = g->nu[i];
         double impulse[3];
-        sweep_finish_one(g, (size_t)i, &e, nu[i], impulse);
+        const double wrong = open[i] + sweep_finish_one(g, (size_t)i, &e, nu, impulse);
         p[0][i] = impulse[0];
         p[1][i] = impulse[1];
         p[2][i] = impulse[2];
-        const double probe =
-            ((impulse[0] - impulse[0]) + (impulse[1] - impulse[1]) + (impulse[2] - impulse[2])) +
-            open[i];
-        const double by_mode = e.mode <= KERNEL_SLIP ? 0.0 : 1.0;
-        odd[i] = probe == 0.0 ? by_mode : 1.0;
+        odd[i] = e.mode <= KERNEL_SLIP ? wrong : 1.0;
+        const double root = wrong == 0.0 ? nu : 0.0;
+        g->nu[i] = e.mode == KERNEL_SLIP ? root : 0.0;
     }
     return ((odd[0] + odd[1]) + (odd[2] + odd[3])) + ((odd[4] + odd[5]) + (odd[6] + odd[7]));
 }
@@ -225,7 +332,7 @@ static double solve_odd(const system_problem *problem, const sweep_three *g, con
 }
 
 /* Impulses p to the block; p becomes their change. */
-static void exchange_lanes(sweep_three *restrict g, lane_row *restrict p)
+STAGE void exchange_lanes(sweep_three *restrict g, lane_row *restrict p)
 {
     for (int k = 0; k < 3; k++) {
         for (int i = 0; i < LANES; i++) {
@@ -237,8 +344,8 @@ static void exchange_lanes(sweep_three *restrict g, lane_row *restrict p)
 }
 
 /* Changes d of the impulses to the bodies. */
-static void push_lanes(const sweep_three *restrict g, lane_row *restrict change,
-                       lane_ends *restrict a, lane_ends *restrict b)
+STAGE void push_lanes(const sweep_three *restrict g, lane_row *restrict change,
+                      lane_ends *restrict a, lane_ends *restrict b)
 {
     for (int i = 0; i < LANES; i++) {
         double of_a[6];
@@ -252,7 +359,7 @@ static void push_lanes(const sweep_three *restrict g, lane_row *restrict change,
     }
 }
 
-static double change_lanes(const sweep_three *restrict g, lane_row *restrict d)
+STAGE double change_lanes(const sweep_three *restrict g, lane_row *restrict d)
 {
     lane_row changes;
     double greatest = 0.0;
@@ -266,34 +373,54 @@ static double change_lanes(const sweep_three *restrict g, lane_row *restrict d)
     return greatest;
 }
 
+/* Blocks under way at once: where one waits for a division, the next goes on. */
+enum { UNDER_WAY = 2 };
+
+typedef struct work {
+    lane_ends a, b;
+    lane_pose pose;
+    lane_row open, odd, p[3];
+} work;
+
+static double sweep_some(const system_problem *problem, sweep_three *g, uint32_t count,
+                         sweep_body *x, int measure)
+{
+    work own[UNDER_WAY];
+    double greatest = 0.0;
+    for (uint32_t k = 0; k < count; k++) {
+        gather(x, g[k].ends.a, &own[k].a);
+        gather(x, g[k].ends.b, &own[k].b);
+        pose_lanes(g + k, &own[k].a, &own[k].b, &own[k].pose);
+    }
+    for (uint32_t k = 0; k < count; k++) {
+        settle_lanes(g + k, &own[k].pose, own[k].open);
+    }
+    for (uint32_t k = 0; k < count; k++) {
+        work *w = own + k;
+        if (finish_lanes(g + k, &w->pose, w->open, w->p, w->odd) > 0.0) {
+            greatest = greater(solve_odd(problem, g + k, &w->pose, w->odd, w->p), greatest);
+        }
+    }
+    for (uint32_t k = 0; k < count; k++) {
+        work *w = own + k;
+        exchange_lanes(g + k, w->p);
+        push_lanes(g + k, w->p, &w->a, &w->b);
+        scatter(&w->a, g[k].ends.a, problem->bodies, g[k].ends.still, x);
+        scatter(&w->b, g[k].ends.b, problem->bodies, g[k].ends.still, x);
+        if (measure) {
+            greatest = greater(change_lanes(g + k, w->p), greatest);
+        }
+    }
+    return greatest;
+}
+
 static double three(const system_problem *problem, sweep_three *blocks, uint32_t count,
                     sweep_body *x, int measure)
 {
     double greatest = 0.0;
-    for (uint32_t k = 0; k < count; k++) {
-        sweep_three *g = blocks + k;
-        lane_ends a;
-        lane_ends b;
-        lane_pose pose;
-        lane_row nu;
-        lane_row open;
-        lane_row odd;
-        lane_row p[3];
-        const uint32_t none = problem->bodies;
-        gather(x, g->ends.a, &a);
-        gather(x, g->ends.b, &b);
-        pose_lanes(g, &a, &b, &pose);
-        settle_lanes(g, &pose, nu, open);
-        if (finish_lanes(g, &pose, nu, open, p, odd) > 0.0) {
-            greatest = greater(solve_odd(problem, g, &pose, odd, p), greatest);
-        }
-        exchange_lanes(g, p);
-        push_lanes(g, p, &a, &b);
-        scatter(&a, g->ends.a, none, x);
-        scatter(&b, g->ends.b, none, x);
-        if (measure) {
-            greatest = greater(change_lanes(g, p), greatest);
-        }
+    for (uint32_t k = 0; k < count; k += UNDER_WAY) {
+        const uint32_t here = count - k < UNDER_WAY ? count - k : UNDER_WAY;
+        greatest = greater(sweep_some(problem, blocks + k, here, x, measure), greatest);
     }
     return greatest;
 }
@@ -309,15 +436,15 @@ static void start_three(const sweep_three *blocks, uint32_t count, sweep_body *x
         gather(x, g->ends.a, &a);
         gather(x, g->ends.b, &b);
         push_lanes(g, r, &a, &b);
-        scatter(&a, g->ends.a, none, x);
-        scatter(&b, g->ends.b, none, x);
+        scatter(&a, g->ends.a, none, g->ends.still, x);
+        scatter(&b, g->ends.b, none, g->ends.still, x);
     }
 }
 
 /* ---- one row --------------------------------------------------------------------------------- */
 
-static void push_ones(const sweep_one *restrict g, const double *restrict d, lane_ends *restrict a,
-                      lane_ends *restrict b)
+STAGE void push_ones(const sweep_one *restrict g, const double *restrict d, lane_ends *restrict a,
+                     lane_ends *restrict b)
 {
     for (int i = 0; i < LANES; i++) {
         double of_a[6];
@@ -330,8 +457,8 @@ static void push_ones(const sweep_one *restrict g, const double *restrict d, lan
     }
 }
 
-static void solve_ones(sweep_one *restrict g, const lane_ends *restrict a,
-                       const lane_ends *restrict b, double *restrict d)
+STAGE void solve_ones(sweep_one *restrict g, const lane_ends *restrict a,
+                      const lane_ends *restrict b, double *restrict d)
 {
     for (int i = 0; i < LANES; i++) {
         double of_a[6];
@@ -344,7 +471,7 @@ static void solve_ones(sweep_one *restrict g, const lane_ends *restrict a,
     }
 }
 
-static double change_ones(const sweep_one *restrict g, const double *restrict d)
+STAGE double change_ones(const sweep_one *restrict g, const double *restrict d)
 {
     lane_row changes;
     double greatest = 0.0;
@@ -369,8 +496,8 @@ static double one(sweep_one *blocks, uint32_t count, sweep_body *x, uint32_t non
         gather(x, g->ends.b, &b);
         solve_ones(g, &a, &b, d);
         push_ones(g, d, &a, &b);
-        scatter(&a, g->ends.a, none, x);
-        scatter(&b, g->ends.b, none, x);
+        scatter(&a, g->ends.a, none, g->ends.still, x);
+        scatter(&b, g->ends.b, none, g->ends.still, x);
         if (measure) {
             greatest = greater(change_ones(g, d), greatest);
         }
@@ -387,8 +514,8 @@ static void start_one(const sweep_one *blocks, uint32_t count, sweep_body *x, ui
         gather(x, g->ends.a, &a);
         gather(x, g->ends.b, &b);
         push_ones(g, g->r, &a, &b);
-        scatter(&a, g->ends.a, none, x);
-        scatter(&b, g->ends.b, none, x);
+        scatter(&a, g->ends.a, none, g->ends.still, x);
+        scatter(&b, g->ends.b, none, g->ends.still, x);
     }
 }
 
