@@ -6,11 +6,18 @@
 /* One setting for all problems. */
 #define FIRST_ALPHA 1e-2 /* of the mean |W_cc| */
 #define LEAST_ALPHA 1e-14
+#define FAST_FALL 10.0 /* of alpha, after QUICKEST steps or fewer, until Newton fails once */
+#define SLOW_FALL 3.0  /* after fewer than QUICK steps */
+#define RISE 5.0       /* where Newton fails */
+#define QUICKEST 2
+#define QUICK 10
 #define INNER_STEPS 30
-#define INNER_SHARE 1e-2  /* of the outer residual: where a proximal step is solved */
-#define QUICK_STEPS 10    /* fewer: alpha may fall */
+#define INNER_SHARE 1e-1  /* of the outer residual: where a proximal step is solved */
+#define MEMORY 5          /* residuals that a step may not exceed */
 #define LEAST_LENGTH 1e-3 /* of a Newton step */
-#define PATIENCE 60       /* proximal steps without progress */
+#define SHORT_SHARE 0.1
+#define SHORT_STEPS 3
+#define PATIENCE 60 /* proximal steps without progress */
 
 enum { OPEN, SLIP, STICK };
 
@@ -629,19 +636,19 @@ static void exchange(double **a, double **b)
     *b = held;
 }
 
-/* Move by a share of the step, halved until F falls. Returns |F| there. */
-static double search(newton *n, double f, double *share)
+/* Move by a share of the step, halved until F falls below the bound. Returns |F| there. */
+static double search(newton *n, double bound, double *share)
 {
     const size_t numbers_of = 3 * (size_t)n->problem->count;
     double t = 1.0;
-    double next = f;
+    double next = bound;
 
     for (; t > LEAST_LENGTH; t *= 0.5) {
         for (size_t i = 0; i < numbers_of; i++)
             n->next_r[i] = n->r[i] + t * n->step[i];
         certificate_velocity(n->problem, n->next_r, n->dv, n->next_u);
         next = map_all(n, n->next_r, n->next_u, n->next_f, n->next_mode);
-        if (next < (1.0 - 1e-4 * t) * f)
+        if (next < (1.0 - 1e-4 * t) * bound)
             break;
     }
     *share = t;
@@ -655,10 +662,35 @@ static int step_once(newton *n, newton_run *run)
     return n->problem->bodies != 0 ? step_on_bodies(n, run) : step_on_blocks(n, run);
 }
 
-/* Newton on one proximal step until |F| <= enough. Returns 1 if it got there. */
+/* Greatest of the last few |F|: what the next one is measured against. Letting F rise for a step or
+ * two (Grippo, Lampariello & Lucidi, SIAM J. Numer. Anal. 23 (1986) 707) passes kinks sooner. */
+static double bound_of(const double *past, uint32_t steps)
+{
+    double out = 0.0;
+
+    for (uint32_t i = 0; i < MEMORY && i <= steps; i++)
+        out = greater(out, past[i]);
+    return out;
+}
+
+static void move(newton *n)
+{
+    uint8_t *held = n->mode;
+
+    exchange(&n->r, &n->next_r);
+    exchange(&n->u, &n->next_u);
+    exchange(&n->f, &n->next_f);
+    n->mode = n->next_mode;
+    n->next_mode = held;
+}
+
+/* Newton on one proximal step until |F| <= enough. Returns 1 if it got there; 0 at once where steps
+ * have become short, for a smaller proximal step gets on better. */
 static int solve_proximal(newton *n, double enough, newton_run *run, uint32_t *steps)
 {
     double f = map_all(n, n->r, n->u, n->f, n->mode);
+    double past[MEMORY];
+    uint32_t short_steps = 0;
 
     for (*steps = 0; *steps < INNER_STEPS; ++*steps) {
         double share;
@@ -667,18 +699,14 @@ static int solve_proximal(newton *n, double enough, newton_run *run, uint32_t *s
         run->halted = run->halt != NULL ? run->halt(run->context) : 0;
         if (run->halted != 0 || run->steps >= run->most_steps || !step_once(n, run))
             return 0;
-        const double next = search(n, f, &share);
-        if (!(next <= 1e300))
+        past[*steps % MEMORY] = f;
+        f = search(n, bound_of(past, *steps), &share);
+        if (!(f <= 1e300))
             return 0;
-        exchange(&n->r, &n->next_r);
-        exchange(&n->u, &n->next_u);
-        exchange(&n->f, &n->next_f);
-        uint8_t *held = n->mode;
-        n->mode = n->next_mode;
-        n->next_mode = held;
-        if (share <= LEAST_LENGTH && next >= f)
+        move(n);
+        short_steps = share < SHORT_SHARE ? short_steps + 1 : 0;
+        if (short_steps == SHORT_STEPS)
             return 0;
-        f = next;
     }
     return f <= enough;
 }
@@ -723,6 +751,18 @@ static double begin(newton *n, const system_problem *problem, const double *r)
     return sum / (double)problem->count;
 }
 
+/* The next alpha: lower where Newton is at ease. Returns how fast it may fall. */
+static double adapt(newton *n, double size, int solved, uint32_t steps, double fall)
+{
+    if (!solved) {
+        n->alpha *= RISE;
+        return SLOW_FALL;
+    }
+    if (steps < QUICK)
+        n->alpha = greater(n->alpha / (steps <= QUICKEST ? fall : SLOW_FALL), LEAST_ALPHA * size);
+    return fall;
+}
+
 double newton_solve(newton *n, const system_problem *problem, const goal *wanted, newton_run *run,
                     double *r)
 {
@@ -730,6 +770,7 @@ double newton_solve(newton *n, const system_problem *problem, const goal *wanted
     const double size = begin(n, problem, r);
     double least = 1e300;
     double distance;
+    double fall = FAST_FALL;
     uint32_t idle = 0;
     double outer = judge(n, wanted, &distance, &least);
 
@@ -745,18 +786,12 @@ double newton_solve(newton *n, const system_problem *problem, const goal *wanted
         if (run->halted != 0 || run->status != TRIBO_OK)
             break;
         const double now = judge(n, wanted, &distance, &least);
-        if (solved && now < 10.0 * outer) {
-            outer = now;
-            if (steps < QUICK_STEPS)
-                n->alpha = greater(n->alpha / (steps <= 2 ? 10.0 : 3.0), LEAST_ALPHA * size);
+        fall = adapt(n, size, solved && now < 10.0 * outer, steps, fall);
+        if (now < 10.0 * outer) {
+            outer = solved ? now : lesser(outer, now);
         } else {
-            n->alpha *= 5.0;
-            if (now <= 10.0 * outer) {
-                outer = lesser(outer, now);
-            } else {
-                copy(numbers_of, n->center, n->r);
-                certificate_velocity(problem, n->r, n->dv, n->u);
-            }
+            copy(numbers_of, n->center, n->r);
+            certificate_velocity(problem, n->r, n->dv, n->u);
         }
         idle = least < 0.9 * before ? 0 : idle + 1;
     }
