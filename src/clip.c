@@ -21,6 +21,7 @@
 #define RIDGE 1e-6 /* of the size: up to so much above the deepest point two ridges still touch */
 
 enum { SAMPLES = 10 };
+enum { SEARCHED = 12 }; /* corners of which the best are sought among all choices */
 
 /* ---- faces ---------------------------------------------------------------------------------- */
 
@@ -629,24 +630,26 @@ static int is_over(const polygon *p, double winding, double slack, double u, dou
 }
 
 /* A user's shape that tells no face may be flat all the same: then its support point is one of many
- * as far, and lies beside the other shape. */
-static int is_beside(const pair_query *query, const pair_face faces[2], const double frame[9])
+ * as far, and the other shape is not where that one is. */
+static int is_elsewhere(const pair_query *query, const pair_face faces[2], const double frame[9],
+                        double distance)
 {
     polygon p[2];
     flatten(&faces[0], frame, &p[0]);
     flatten(&faces[1], frame, &p[1]);
-    const int a_is_vague = p[0].count == 1 && query->a->type == TRIBO_SHAPE_CONVEX;
-    const int b_is_vague = p[1].count == 1 && query->b->type == TRIBO_SHAPE_CONVEX;
-    if (p[0].count > 1 || p[1].count > 1) {
-        const int side = p[0].count > 1 ? 0 : 1;
-        const double *u = p[1 - side].u;
-        const double *v = p[1 - side].v;
-        return (side == 0 ? b_is_vague : a_is_vague) &&
-               (p[side].count == 2 || !is_over(&p[side], winding_of(side), RIDGE, u[0], v[0]));
-    }
     const double room = RIDGE * (extent(faces[0].points) + extent(faces[1].points));
-    return (a_is_vague || b_is_vague) &&
-           (absolute(p[0].u[0] - p[1].u[0]) > room || absolute(p[0].v[0] - p[1].v[0]) > room);
+    const int vague[2] = {p[0].count == 1 && query->a->type == TRIBO_SHAPE_CONVEX,
+                          p[1].count == 1 && query->b->type == TRIBO_SHAPE_CONVEX};
+    if (p[0].count == 1 && p[1].count == 1) {
+        return (vague[0] || vague[1]) &&
+               (absolute(p[0].u[0] - p[1].u[0]) > room || absolute(p[0].v[0] - p[1].v[0]) > room);
+    }
+    const int side = p[0].count > 1 ? 0 : 1;
+    const double u = p[1 - side].u[0];
+    const double v = p[1 - side].v[0];
+    const double between = winding_of(1 - side) * (height_at(&p[side], u, v) - p[1 - side].h[0]);
+    return vague[1 - side] && (p[side].count == 2 || absolute(between - distance) > room ||
+                               !is_over(&p[side], winding_of(side), RIDGE, u, v));
 }
 
 /* ---- two faces ------------------------------------------------------------------------------ */
@@ -697,8 +700,9 @@ static uint32_t touch(const pair_query *query, const pair_face faces[2], const p
     *size = 0.0;
     frame_of(axis->normal, frame);
     if (faces[0].count == 1 || faces[1].count == 1) {
-        return is_beside(query, faces, frame) ? add_witness(query, faces, frame, axis, points)
-                                              : touch_at_point(faces, axis, points);
+        return is_elsewhere(query, faces, frame, axis->distance)
+                   ? add_witness(query, faces, frame, axis, points)
+                   : touch_at_point(faces, axis, points);
     }
     flatten(&faces[0], frame, &p[0]);
     flatten(&faces[1], frame, &p[1]);
@@ -878,22 +882,95 @@ static void remove_place(ring *r, uint32_t place)
     measure_ear(r, before(r, next));
 }
 
-/* Take away what adds least to the area until `max` points are left. The deepest one stays, unless
- * all are as deep: then it says nothing. */
-static void thin_ring(ring *r, uint32_t max, uint32_t deepest)
+/* Take away what adds least to the area until `max` points are left, but not the one to keep. */
+static void thin_ring(ring *r, uint32_t max, uint32_t kept)
 {
     for (uint32_t k = 0; k < r->count; k++) {
         measure_ear(r, k);
     }
     while (r->count > max) {
-        uint32_t least = r->order[0] == deepest ? 1 : 0;
+        uint32_t least = r->order[0] == kept ? 1 : 0;
         for (uint32_t k = least + 1; k < r->count; k++) {
-            if (r->ear[k] * BETTER < r->ear[least] && r->order[k] != deepest) {
+            if (r->ear[k] * BETTER < r->ear[least] && r->order[k] != kept) {
                 least = k;
             }
         }
         remove_place(r, least);
     }
+}
+
+/* Places of the three corners of a polygon that hold the largest area, the first of them below
+ * `first`. */
+static void best_three(uint32_t count, const double *u, const double *v, uint32_t first,
+                       uint32_t best[3])
+{
+    double most = -1.0;
+    for (uint32_t i = 0; i < first; i++) {
+        for (uint32_t j = i + 1; j < count; j++) {
+            for (uint32_t k = j + 1; k < count; k++) {
+                const double size =
+                    absolute((u[j] - u[i]) * (v[k] - v[i]) - (v[j] - v[i]) * (u[k] - u[i]));
+                if (size > most) {
+                    const uint32_t corners[3] = {i, j, k};
+                    memcpy(best, corners, sizeof corners);
+                    most = BETTER * size;
+                }
+            }
+        }
+    }
+}
+
+/* The same of four corners: a quadrilateral has half the area that its diagonals span. */
+static void best_four(uint32_t count, const double *u, const double *v, uint32_t first,
+                      uint32_t best[4])
+{
+    double most = -1.0;
+    for (uint32_t i = 0; i < first; i++) {
+        for (uint32_t k = i + 2; k + 1 < count; k++) {
+            const double du = u[k] - u[i];
+            const double dv = v[k] - v[i];
+            for (uint32_t j = i + 1; j < k; j++) {
+                for (uint32_t l = k + 1; l < count; l++) {
+                    const double size = absolute(du * (v[l] - v[j]) - dv * (u[l] - u[j]));
+                    if (size > most) {
+                        const uint32_t corners[4] = {i, j, k, l};
+                        memcpy(best, corners, sizeof corners);
+                        most = BETTER * size;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/* The three or four points of a ring that keep the largest area, with `kept` among them if the
+ * ring has it. */
+static void choose_corners(ring *r, uint32_t max, uint32_t kept)
+{
+    double u[SEARCHED];
+    double v[SEARCHED];
+    uint32_t order[SEARCHED];
+    uint32_t best[TRIBO_MAX_POINTS] = {0};
+    uint32_t start = 0;
+    thin_ring(r, SEARCHED, kept);
+    while (start < r->count && r->order[start] != kept) {
+        start++;
+    }
+    const uint32_t first = start < r->count ? 1 : r->count;
+    for (uint32_t k = 0; k < r->count; k++) {
+        order[k] = r->order[(start + k) % r->count];
+        u[k] = r->u[order[k]];
+        v[k] = r->v[order[k]];
+    }
+    if (max == 3) {
+        best_three(r->count, u, v, first, best);
+    } else {
+        best_four(r->count, u, v, first, best);
+    }
+    for (uint32_t k = 0; k < max; k++) {
+        r->order[k] = order[best[k]];
+    }
+    r->count = max;
 }
 
 /* The deepest point and the one that is farthest from it. */
@@ -928,7 +1005,8 @@ static void choose_points(const double normal[3], double slack, uint32_t max, ui
     for (uint32_t i = 1; i < count; i++) {
         most = greater(most, points[i].distance);
     }
-    thin_ring(r, max, most > points[deepest].distance + slack ? deepest : PAIR_MAX_POINTS);
+    /* Where all are as deep that says nothing. */
+    choose_corners(r, max, most > points[deepest].distance + slack ? deepest : PAIR_MAX_POINTS);
 }
 
 static int is_same(const double a[3], const double b[3], double reach)
