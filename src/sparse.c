@@ -88,7 +88,6 @@ static void forget(tribo_sparse *s)
     cholmod_free_dense(&s->x, &s->cholmod);
     cholmod_free_dense(&s->y, &s->cholmod);
     cholmod_free_dense(&s->e, &s->cholmod);
-    cholmod_free_work(&s->cholmod);
     release(s, s->row_starts);
     release(s, s->work);
     s->row_starts = NULL;
@@ -342,9 +341,7 @@ static tribo_status factor_umfpack(tribo_sparse *s)
         return TRIBO_ERROR_MEMORY;
     }
     s->factors = UMFPACK;
-    return status == UMFPACK_OK && s->umfpack_info[UMFPACK_RCOND] > 0.0
-               ? TRIBO_OK
-               : TRIBO_ERROR_CONTACT_MATRIX;
+    return s->umfpack_info[UMFPACK_RCOND] > 0.0 ? TRIBO_OK : TRIBO_ERROR_CONTACT_MATRIX;
 }
 
 /* x = A^-1 b without refinement. */
@@ -415,9 +412,6 @@ static tribo_status factor_values(tribo_sparse *s, const double *values)
                                                        : factor_umfpack(s);
     if (status != TRIBO_OK) {
         drop_factors(s);
-    }
-    if (status == TRIBO_ERROR_MEMORY) {
-        forget(s);
     }
     return status;
 }
