@@ -2,7 +2,8 @@
 # Same bits everywhere: the hashes of tests/golden/bits.c, one test for each compiler, optimisation,
 # instruction set and architecture, against tests/golden/bits.txt; and the same layout of structs.
 #
-#   tests/golden.sh [--update]      --update writes bits.txt anew (gcc -O2, scalar) before comparing
+#   tests/golden.sh [--update]      --update writes bits.txt anew (gcc -O2, scalar) before comparing,
+#                                   and shapes.txt of golden_shapes.sh
 #
 # The sources are compiled here and not by the Makefile: what is under test is the source, under any
 # flags. The library as it was built is the first cell.
@@ -155,6 +156,7 @@ wasi="node --no-warnings --experimental-wasi-unstable-preview1 tests/golden/wasi
 if [ "${1:-}" = --update ]; then
     build "$work/update" gcc -O2 && TRIBO_ISA=scalar "$work/update" >"$golden" || exit 1
     cat $golden
+    tests/golden_shapes.sh --write || exit 1
 fi
 
 start built_library
