@@ -17,7 +17,8 @@
 #define LEAST_LENGTH 1e-3 /* of a Newton step */
 #define SHORT_SHARE 0.1
 #define SHORT_STEPS 3
-#define PATIENCE 60 /* proximal steps without progress */
+#define SYMMETRY 1e-12
+#define PATIENCE 300 /* proximal steps without progress */
 
 enum { OPEN, SLIP, STICK };
 
@@ -28,6 +29,7 @@ struct newton {
     double *r, *center, *u, *f;       /* where we are: 3 per contact */
     double *next_r, *next_u, *next_f; /* where a step would lead */
     double *step, *moved, *best;      /* dr, a scratch, and the best impulses */
+    double *right;                    /* F, without E where a contact sticks */
     double *gain;                     /* g_c */
     double *dv;                       /* 6 per body */
     double *slope, *own;              /* P E and A = g (1 - P) + alpha P E: 9 per contact */
@@ -41,6 +43,10 @@ struct newton {
     uint32_t *row_starts, *columns; /* the matrix: rows of scalars, or dense */
     double *values, *x, *dense;
     uint32_t *pivots;
+    uint32_t *lower_starts, *lower_columns; /* bodies: its lower triangle, if it is symmetric */
+    double *lower_values;
+    uint32_t symmetric_w; /* 1: W is symmetric but for rounding */
+    uint32_t symmetric;   /* 1: so is the matrix of this step */
 };
 
 /* ---- memory ---------------------------------------------------------------------------------- */
@@ -62,8 +68,8 @@ static double *numbers(arena *a, size_t count)
 
 static void take_state(newton *n, arena *a, size_t count, uint32_t bodies)
 {
-    double **each[] = {&n->r,      &n->center, &n->u,    &n->f,     &n->next_r,
-                       &n->next_u, &n->next_f, &n->step, &n->moved, &n->best};
+    double **each[] = {&n->r,      &n->center, &n->u,     &n->f,    &n->next_r, &n->next_u,
+                       &n->next_f, &n->step,   &n->moved, &n->best, &n->right};
     for (size_t i = 0; i < sizeof each / sizeof *each; i++)
         *each[i] = numbers(a, 3 * count);
     n->gain = numbers(a, count);
@@ -89,6 +95,13 @@ static void take_matrix(newton *n, arena *a, uint32_t rows, size_t entries, cons
     n->values = numbers(a, entries);
 }
 
+static void take_lower(newton *n, arena *a, uint32_t rows, size_t entries)
+{
+    n->lower_starts = arena_take(a, (size_t)rows + 1, sizeof(uint32_t));
+    n->lower_columns = arena_take(a, entries, sizeof(uint32_t));
+    n->lower_values = numbers(a, entries);
+}
+
 newton *newton_take(arena *a, uint32_t count, uint32_t bodies, size_t links, const newton_run *run)
 {
     newton counted = {0};
@@ -103,6 +116,7 @@ newton *newton_take(arena *a, uint32_t count, uint32_t bodies, size_t links, con
         n->starts = arena_take(a, (size_t)bodies + 2, sizeof(uint32_t));
         n->neighbours = arena_take(a, links + bodies, sizeof(uint32_t));
         take_matrix(n, a, 6 * bodies, 36 * (links + bodies), run);
+        take_lower(n, a, 6 * bodies, 18 * links + 21 * (size_t)bodies);
     } else {
         take_matrix(n, a, 3 * count, 9 * links, run);
     }
@@ -175,29 +189,45 @@ static void derivative(uint32_t mode, const double y[3], double mu, double p[9])
     p[8] = along * h2 * h2 + across * h1 * h1;
 }
 
-/* slope = P E, own = g (1 - P) + alpha P E, E the derivative of u' by u. */
+/* slope = P E, own = g (1 - P) + alpha P E, E the derivative of u' by u, right = F. Where a contact
+ * sticks, P = 1, and all three are multiplied by E^-1: that row of the matrix is one of W. */
+static void linearize_contact(newton *n, size_t c)
+{
+    const double mu = coefficient(n, c);
+    const double *f = n->f + 3 * c;
+    double *slope = n->slope + 9 * c;
+    double *own = n->own + 9 * c;
+    double *right = n->right + 3 * c;
+    double unused[3];
+    double bent[3];
+    double y[3];
+    double p[9];
+
+    const uint32_t mode = map_contact(n, c, n->r + 3 * c, n->u + 3 * c, unused, bent, y);
+    const double slip = sqrt(bent[1] * bent[1] + bent[2] * bent[2]);
+    const double e1 = slip > 0.0 ? mu * bent[1] / slip : 0.0;
+    const double e2 = slip > 0.0 ? mu * bent[2] / slip : 0.0;
+    const double off = mode == STICK ? 0.0 : 1.0;
+    derivative(mode, y, mu, p);
+    for (int i = 0; i < 3; i++) {
+        slope[3 * i] = p[3 * i];
+        slope[3 * i + 1] = p[3 * i + 1] + off * p[3 * i] * e1;
+        slope[3 * i + 2] = p[3 * i + 2] + off * p[3 * i] * e2;
+        right[i] = f[i];
+    }
+    if (mode == STICK)
+        right[0] -= e1 * f[1] + e2 * f[2];
+    for (int i = 0; i < 9; i++)
+        own[i] = n->gain[c] * ((i % 4 == 0 ? 1.0 : 0.0) - p[i]) + n->alpha * slope[i];
+}
+
 static void linearize(newton *n)
 {
+    n->symmetric = n->symmetric_w;
     for (size_t c = 0; c < n->problem->count; c++) {
-        const double mu = coefficient(n, c);
-        double bent[3];
-        double y[3];
-        double f[3];
-        double p[9];
-        double *slope = n->slope + 9 * c;
-        double *own = n->own + 9 * c;
-        const uint32_t mode = map_contact(n, c, n->r + 3 * c, n->u + 3 * c, f, bent, y);
-        const double slip = sqrt(bent[1] * bent[1] + bent[2] * bent[2]);
-        const double e1 = slip > 0.0 ? mu * bent[1] / slip : 0.0;
-        const double e2 = slip > 0.0 ? mu * bent[2] / slip : 0.0;
-        derivative(mode, y, mu, p);
-        for (int i = 0; i < 3; i++) {
-            slope[3 * i] = p[3 * i];
-            slope[3 * i + 1] = p[3 * i + 1] + p[3 * i] * e1;
-            slope[3 * i + 2] = p[3 * i + 2] + p[3 * i] * e2;
-        }
-        for (int i = 0; i < 9; i++)
-            own[i] = n->gain[c] * ((i % 4 == 0 ? 1.0 : 0.0) - p[i]) + n->alpha * slope[i];
+        linearize_contact(n, c);
+        if (n->mode[c] == SLIP && coefficient(n, c) > 0.0)
+            n->symmetric = 0;
     }
 }
 
@@ -209,28 +239,43 @@ static void apply3(const double a[9], const double x[3], double out[3])
 
 /* ---- factorisation --------------------------------------------------------------------------- */
 
-static uint32_t is_dense(const newton *n, uint32_t rows, const newton_run *run)
+static uint32_t is_dense(uint32_t rows, const newton_run *run)
 {
-    (void)n;
     return rows <= run->dense_limit;
 }
 
-/* Solve for x in place: the matrix stands in `dense` or in the rows of scalars. */
+static int eliminate_dense(newton *n, uint32_t rows, const newton_run *run)
+{
+    if (n->symmetric != 0) {
+        if (!dense_cholesky(run->isa, rows, n->dense))
+            return 0;
+        dense_cholesky_solve(run->isa, rows, n->dense, n->x);
+        return 1;
+    }
+    if (!dense_lu(run->isa, rows, n->dense, n->pivots))
+        return 0;
+    dense_lu_solve(run->isa, rows, n->dense, n->pivots, n->x);
+    return 1;
+}
+
+/* Solve for x in place: the matrix stands in `dense` or in rows of scalars. */
 static int eliminate(newton *n, uint32_t rows, newton_run *run)
 {
+    const tribo_linear *linear = run->linear;
+    const uint32_t lower = n->symmetric != 0 && n->problem->bodies != 0;
+    tribo_status status;
+
     if (rows == 0)
         return 1;
     run->factorizations++;
-    if (is_dense(n, rows, run)) {
-        if (!dense_lu(run->isa, rows, n->dense, n->pivots))
-            return 0;
-        dense_lu_solve(run->isa, rows, n->dense, n->pivots, n->x);
-        return 1;
-    }
-    tribo_status status =
-        run->linear->factor(run->linear->context, rows, n->row_starts, n->columns, n->values, 0);
+    if (is_dense(rows, run))
+        return eliminate_dense(n, rows, run);
+    status = lower != 0 ? linear->factor(linear->context, rows, n->lower_starts, n->lower_columns,
+                                         n->lower_values, 1)
+                        : linear->factor(linear->context, rows, n->row_starts, n->columns,
+                                         n->values, n->symmetric);
     if (status == TRIBO_OK)
-        status = run->linear->solve(run->linear->context, n->x);
+        status = linear->solve(linear->context, n->x);
     if (status != TRIBO_OK && status != TRIBO_ERROR_CONTACT_MATRIX)
         run->status = status;
     return status == TRIBO_OK;
@@ -265,7 +310,7 @@ static uint32_t number_rows(newton *n)
             known[k] = n->moved[3 * c + k] - p->q[3 * c + k];
         apply3(n->slope + 9 * c, known, bent);
         for (uint32_t k = 0; k < rows_of(n, c); k++)
-            n->x[n->place[c] + k] = -n->f[3 * c + k] - bent[k];
+            n->x[n->place[c] + k] = -n->right[3 * c + k] - bent[k];
     }
     return rows;
 }
@@ -310,6 +355,8 @@ static void fill_sparse_blocks(newton *n)
             for (size_t k = p->row_starts[c]; k < p->row_starts[c + 1]; k++) {
                 const size_t d = p->columns[k];
                 for (uint32_t j = 0; j < rows_of(n, d); j++) {
+                    if (n->symmetric != 0 && n->place[d] + j >= row)
+                        break;
                     n->columns[at] = n->place[d] + j;
                     n->values[at++] = block_entry(n, c, p->blocks + 9 * k, c == d, i, j);
                 }
@@ -323,7 +370,7 @@ static int step_on_blocks(newton *n, newton_run *run)
 {
     const uint32_t rows = number_rows(n);
 
-    if (is_dense(n, rows, run))
+    if (is_dense(rows, run))
         fill_dense_blocks(n, rows);
     else
         fill_sparse_blocks(n);
@@ -488,6 +535,25 @@ static void prepare_bodies(newton *n, uint32_t dense)
         }
     }
     n->row_starts[6 * p->bodies] = at;
+    at = 0;
+    for (uint32_t row = 0; row < 6 * p->bodies; row++) {
+        n->lower_starts[row] = at;
+        for (uint32_t k = n->row_starts[row]; n->columns[k] < row; k++)
+            n->lower_columns[at++] = n->columns[k];
+        n->lower_columns[at++] = row;
+    }
+    n->lower_starts[6 * p->bodies] = at;
+}
+
+static void copy_lower(newton *n)
+{
+    for (uint32_t row = 0; row < 6 * n->problem->bodies; row++) {
+        const double *from = n->values + n->row_starts[row];
+        double *to = n->lower_values + n->lower_starts[row];
+        const uint32_t count = n->lower_starts[row + 1] - n->lower_starts[row];
+        for (uint32_t k = 0; k < count; k++)
+            to[k] = from[k];
+    }
 }
 
 /* x = A^-1 b for 3x3 by Cramer's rule; 0 if A is singular. */
@@ -571,7 +637,7 @@ static int step_on_bodies(newton *n, newton_run *run)
 {
     const system_problem *p = n->problem;
     const uint32_t rows = 6 * p->bodies;
-    const uint32_t dense = is_dense(n, rows, run);
+    const uint32_t dense = is_dense(rows, run);
 
     clear_matrix(n, dense);
     for (size_t c = 0; c < p->count; c++) {
@@ -586,7 +652,7 @@ static int step_on_bodies(newton *n, newton_run *run)
             const double *column = n->slope + 9 * c + i % 3;
             d[i] = row[0] * column[0] + row[1] * column[3] + row[2] * column[6];
         }
-        apply3(inverse, n->f + 3 * c, known);
+        apply3(inverse, n->right + 3 * c, known);
         for (int i = 0; i < 9; i++)
             n->slope[9 * c + (size_t)i] = d[i];
         if (n->mode[c] == OPEN && known[0] == 0.0 && known[1] == 0.0 && known[2] == 0.0)
@@ -601,6 +667,8 @@ static int step_on_bodies(newton *n, newton_run *run)
         if (n->mode[c] != OPEN)
             add_contact(n, dense, c, d);
     }
+    if (n->symmetric != 0 && dense == 0)
+        copy_lower(n);
     if (!eliminate(n, rows, run))
         return 0;
     for (size_t c = 0; c < p->count; c++) {
@@ -732,11 +800,50 @@ static double judge(newton *n, const goal *wanted, double *distance, double *lea
     return f;
 }
 
+/* Block (c, d) of W, or null where it is zero. */
+static const double *block_at(const system_problem *p, uint32_t c, uint32_t d)
+{
+    uint32_t low = p->row_starts[c];
+    uint32_t high = p->row_starts[c + 1];
+
+    while (high - low > 1) {
+        const uint32_t middle = low + (high - low) / 2;
+        if (p->columns[middle] <= d)
+            low = middle;
+        else
+            high = middle;
+    }
+    return p->columns[low] == d ? p->blocks + 9 * (size_t)low : NULL;
+}
+
+/* 1 if blocks across the diagonal agree to rounding. An unsymmetric rest is only in the direction
+ * of a step, not in what the steps lead to. */
+static uint32_t is_symmetric(const system_problem *p)
+{
+    double most = 0.0;
+    double odd = 0.0;
+
+    for (uint32_t c = 0; p->bodies == 0 && c < p->count; c++) {
+        for (uint32_t k = p->row_starts[c]; k < p->row_starts[c + 1]; k++) {
+            const uint32_t d = p->columns[k];
+            const double *w = p->blocks + 9 * (size_t)k;
+            const double *other = block_at(p, d, c);
+            for (int i = 0; i < 9; i++) {
+                const double across = other != NULL ? other[i % 3 * 3 + i / 3] : 0.0;
+                most = greater(most, absolute(w[i]));
+                odd = greater(odd, absolute(w[i] - across));
+            }
+        }
+    }
+    return odd <= SYMMETRY * most;
+}
+
 static double begin(newton *n, const system_problem *problem, const double *r)
 {
     double sum = 0.0;
 
     n->problem = problem;
+    n->symmetric_w = is_symmetric(problem);
     copy(3 * (size_t)problem->count, r, n->r);
     copy(3 * (size_t)problem->count, r, n->best);
     for (size_t c = 0; c < problem->count; c++) {
@@ -775,7 +882,7 @@ double newton_solve(newton *n, const system_problem *problem, const goal *wanted
     double outer = judge(n, wanted, &distance, &least);
 
     if (problem->bodies != 0)
-        prepare_bodies(n, is_dense(n, 6 * problem->bodies, run));
+        prepare_bodies(n, is_dense(6 * problem->bodies, run));
     n->alpha = FIRST_ALPHA * size;
     while (distance > 1.0 && idle < PATIENCE && run->steps < run->most_steps) {
         const double before = least;
