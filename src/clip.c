@@ -649,7 +649,7 @@ static int is_elsewhere(const pair_query *query, const pair_face faces[2], const
     const double v = p[1 - side].v[0];
     const double between = winding_of(1 - side) * (height_at(&p[side], u, v) - p[1 - side].h[0]);
     return vague[1 - side] && (p[side].count == 2 || absolute(between - distance) > room ||
-                               !is_over(&p[side], winding_of(side), RIDGE, u, v));
+                               !is_over(&p[side], winding_of(side), room, u, v));
 }
 
 /* ---- two faces ------------------------------------------------------------------------------ */
