@@ -680,6 +680,146 @@ static void test_graded_general_matrix(void **state)
     settle("graded W that is not symmetric: eta 1e-15, cone 8 eps");
 }
 
+/* S of any condition up to 1e11, turned, beside a W_nn as small; b from a p within the cone. */
+static void test_stiff_general_matrices(void **state)
+{
+    problem_random random;
+    (void)state;
+    problem_random_start(&random, 38, 0, 0);
+    for (int i = 0; i < 20000; i++) {
+        const double soft = problem_random_decades(&random, -11.0, 0.0);
+        double e[2];
+        double p[3] = {1, 0, 0};
+        problem_random_direction(&random, 2, e);
+        problem_random_direction(&random, 2, p + 1);
+        p[1] *= 0.5;
+        p[2] *= 0.5;
+        const double skew = soft * problem_random_normal(&random);
+        const double w[9] = {soft,
+                             skew,
+                             0,
+                             -skew,
+                             e[0] * e[0] + soft * e[1] * e[1],
+                             (1 - soft) * e[0] * e[1],
+                             0,
+                             (1 - soft) * e[0] * e[1],
+                             e[1] * e[1] + soft * e[0] * e[0]};
+        double b[3];
+        double found[3];
+        long double v[3];
+        tribo_solve_info info = {.struct_size = sizeof info};
+        tribo_mat3_apply(w, p, b);
+        tribo_vec3_scale(-1.0, b, b);
+        if (b[0] < 0.0) {
+            assert_int_equal(tribo_contact_solve_general(w, b, 0.6, 0.6, found, &info), TRIBO_OK);
+            assert_int_equal(info.mode, STICK);
+            residual_velocity(w, b, found, v);
+            within((double)hypotl(v[1], v[2]), 8 * EPS); /* |W| |p| = 1 */
+        }
+    }
+    settle("stiff S: sliding that sticking leaves, 8 eps");
+}
+
+/* S of rank 1 though W is not symmetric: the shortest friction that stops all sliding; and what
+ * slides where nothing resists it. */
+static void test_singular_general_matrices(void **state)
+{
+    problem_random random;
+    (void)state;
+    problem_random_start(&random, 39, 0, 0);
+    for (int i = 0; i < 20000; i++) {
+        double e[2];
+        double p[3] = {1, 0, 0};
+        problem_random_direction(&random, 2, e);
+        const double share = problem_random_uniform(&random, -0.5, 0.5);
+        const double w1 = problem_random_uniform(&random, -0.5, 0.5);
+        const double w2 = problem_random_uniform(&random, -0.5, 0.5);
+        const double skew = problem_random_uniform(&random, -0.5, 0.5);
+        const double row[2] = {w1 + skew, w2};
+        const double column[2] = {w1 - skew, w2};
+        const double w[9] = {1,
+                             row[0],
+                             row[1],
+                             column[0],
+                             e[0] * e[0] + column[0] * row[0],
+                             e[0] * e[1] + column[0] * row[1],
+                             column[1],
+                             e[0] * e[1] + column[1] * row[0],
+                             e[1] * e[1] + column[1] * row[1]};
+        double b[3];
+        double found[3];
+        tribo_solve_info info = {.struct_size = sizeof info};
+        p[1] = share * e[0];
+        p[2] = share * e[1];
+        tribo_mat3_apply(w, p, b);
+        tribo_vec3_scale(-1.0, b, b);
+        if (b[0] < 0.0) {
+            assert_int_equal(tribo_contact_solve_general(w, b, 0.6, 0.6, found, &info), TRIBO_OK);
+            assert_int_equal(info.mode, STICK);
+            within(distance(found, p, 3), 64 * EPS);
+            /* a push along the direction that S annuls */
+            b[1] += 0.01 * e[1];
+            b[2] -= 0.01 * e[0];
+            assert_int_equal(tribo_contact_solve_general(w, b, 0.6, 0.6, found, &info), TRIBO_OK);
+            assert_int_equal(info.mode, SLIP);
+            within(general_eta(w, b, 0.6, found), 1e-13);
+        }
+    }
+    settle("singular S: the shortest friction 64 eps, slip eta 1e-13");
+}
+
+/* Whatever the sizes of the entries and however S cancels: what is called a solution has the
+ * velocities of one. */
+static void test_wild_general_matrices(void **state)
+{
+    problem_random random;
+    unsigned solved = 0;
+    (void)state;
+    problem_random_start(&random, 40, 0, 0);
+    for (int i = 0; i < 100000; i++) {
+        double w[9];
+        double b[3];
+        double p[3];
+        long double v[3];
+        tribo_solve_info info = {.struct_size = sizeof info};
+        const double decades = 5.0 * (i % 4);
+        w[0] = problem_random_decades(&random, -6, 6);
+        for (int k = 0; k < 2; k++) {
+            const double s[2] = {problem_random_decades(&random, -6, 6),
+                                 problem_random_decades(&random, -6, 6)};
+            w[1 + k] =
+                problem_random_normal(&random) * problem_random_decades(&random, -decades, decades);
+            w[3 + 3 * k] =
+                problem_random_normal(&random) * problem_random_decades(&random, -decades, decades);
+            w[4 + 4 * k] = s[0];
+            w[k == 0 ? 5 : 7] = 0.5 * s[1] * problem_random_normal(&random);
+        }
+        for (int k = 0; k < 3; k++) {
+            b[k] = problem_random_normal(&random) * problem_random_decades(&random, -10, 10);
+        }
+        for (int k = 0; k < 4; k++) {
+            const int row = 1 + k / 2;
+            w[3 * row + 1 + k % 2] += w[3 * row] * w[1 + k % 2] / w[0];
+        }
+        b[0] = -fabs(b[0]);
+        const double mu = problem_random_decades(&random, -15, 15);
+        if (tribo_contact_solve_general(w, b, mu, mu, p, &info) != TRIBO_OK) {
+            continue;
+        }
+        double scale = fabs(b[0]) + fabs(b[1]) + fabs(b[2]);
+        for (int k = 0; k < 9; k++) {
+            scale += fabs(w[k] * p[k % 3]);
+        }
+        residual_velocity(w, b, p, v);
+        within((double)fabsl(v[0]), 1.01e-9 * scale);
+        within((double)fabsl(v[1] + (long double)info.nu * p[1]), 1.01e-9 * scale);
+        within((double)fabsl(v[2] + (long double)info.nu * p[2]), 1.01e-9 * scale);
+        solved++;
+    }
+    settle("wild W: velocities of what is called a solution, 1e-9");
+    assert_true(solved > 20000);
+}
+
 /* On symmetric ones both solvers find the same. */
 static void test_both_solvers_agree(void **state)
 {
@@ -1754,6 +1894,9 @@ int main(void)
         TEST(test_frames_do_not_matter),
         TEST(test_unsymmetric_matrices),
         TEST(test_graded_general_matrix),
+        TEST(test_stiff_general_matrices),
+        TEST(test_singular_general_matrices),
+        TEST(test_wild_general_matrices),
         TEST(test_both_solvers_agree),
         TEST(test_outputs_in_place_of_inputs),
         TEST(test_older_solve_info),
