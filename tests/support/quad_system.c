@@ -156,7 +156,11 @@ static void judge(const view *c, double stiffness, size_t number, sums *sum, qua
     quad_real scaled[3];
     if (speed > 0.0) {
         mu = coefficient(c, speed, impulse, &got);
-        out->contact_noise = greater(out->contact_noise, EPS + c->noise / speed);
+        const double own = EPS + c->noise / speed;
+        const double friction = (double)length(2, c->r + 1) + mu * fabs((double)c->r[0]);
+        out->contact_noise = greater(out->contact_noise, own);
+        out->misalignment_noise =
+            greater(out->misalignment_noise, own * (1.0 + friction / impulse));
     }
     if (got.eta > out->eta) {
         out->eta = got.eta;
@@ -179,7 +183,8 @@ static void judge(const view *c, double stiffness, size_t number, sums *sum, qua
     sum->energy += (rq + ru) / 2;
     sum->energy_scale += strength * (double)(length(3, c->q) + length(3, c->u)) / 2.0;
     sum->energy_noise += strength * (c->noise + EPS * speed);
-    sum->noise += (c->noise + EPS * speed) * (c->noise + EPS * speed);
+    const double noise = (1.0 + mu) * (c->noise + EPS * speed);
+    sum->noise += noise * noise;
 }
 
 static void judge_all(size_t count, const view *views, quad_certificate *out)
@@ -738,7 +743,7 @@ double quad_certificate_difference(const quad_certificate *truth, const tribo_sy
         {"eta_rms", truth->eta_rms, info->eta_rms, truth->contact_noise},
         {"signorini", truth->signorini, info->signorini, truth->contact_noise},
         {"cone", truth->cone, info->cone, truth->contact_noise},
-        {"misalignment", truth->misalignment, info->misalignment, truth->contact_noise},
+        {"misalignment", truth->misalignment, info->misalignment, truth->misalignment_noise},
         {"invariant", truth->invariant, info->invariant, truth->invariant_noise},
         {"siconos", truth->siconos, info->siconos, truth->siconos_noise},
         {"energy", truth->energy, info->energy, truth->energy_noise},

@@ -20,22 +20,23 @@ typedef struct quad_certificate {
     double siconos;
     double energy;
     double energy_scale;
-    double linear;          /**< of the velocities given, not of those that the impulses give */
-    double angular;         /**< the same */
-    double velocity;        /**< greatest error of a velocity given: |v - v(r)|, linear or angular
+    double linear;        /**< of the velocities given, not of those that the impulses give */
+    double angular;       /**< the same */
+    double velocity;      /**< greatest error of a velocity given: |v - v(r)|, linear or angular
                                  times the longest arm of the body, over the velocities it is summed
                                  from */
-    double contact_noise;   /**< rounding of eta and its kin */
-    double invariant_noise; /**< of invariant */
-    double siconos_noise;   /**< of siconos */
-    double energy_noise;    /**< of energy, J */
-    double linear_noise;    /**< of linear */
-    double angular_noise;   /**< of angular; infinite where a body is held by an axis that cannot
+    double contact_noise; /**< rounding of eta and its kin */
+    double misalignment_noise; /**< of misalignment */
+    double invariant_noise;    /**< of invariant */
+    double siconos_noise;      /**< of siconos */
+    double energy_noise;       /**< of energy, J */
+    double linear_noise;       /**< of linear */
+    double angular_noise;      /**< of angular; infinite where a body is held by an axis that cannot
                                  turn or a centre that cannot move: its momentum is not kept */
-    double kinetic;         /**< change of the bodies' kinetic energy by the velocities given, J:
+    double kinetic;            /**< change of the bodies' kinetic energy by the velocities given, J:
                                  with the work of targets; bodies form */
-    double kinetic_noise;   /**< of kinetic, J */
-    double worst_contact;   /**< number of the contact with the greatest eta */
+    double kinetic_noise;      /**< of kinetic, J */
+    double worst_contact;      /**< number of the contact with the greatest eta */
 } quad_certificate;
 
 /** Certificate of impulses for bodies and contacts; `velocities` (width 6) as tribo_system_solve

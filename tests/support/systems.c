@@ -731,7 +731,9 @@ static void random_body(systems_scene *out, uint32_t draws, problem_random *rand
         body->angular_velocity[k] = problem_random_normal(random);
     }
     if ((draws & SYSTEMS_DEGENERATE) && one_in(random, 8)) {
+        /* one that turned all the same would be driven, and give energy */
         memset(body->inverse_inertia, 0, sizeof body->inverse_inertia);
+        memset(body->angular_velocity, 0, sizeof body->angular_velocity);
     }
 }
 
