@@ -87,15 +87,26 @@ static tribo_status check_pair(const tribo_shape *shape_a, const tribo_pose *pos
 
 /* ---- one convex pair ------------------------------------------------------------------------ */
 
-/* Which of two lists of numbers comes first: -1, 0 or 1. */
+/* Which of two lists of numbers comes first: -1, 0 or 1. NaN, in entries that no shape looks at,
+ * does not count. */
 static int compare(const double *x, const double *y, int count)
 {
     for (int i = 0; i < count; i++) {
-        if (x[i] != y[i]) {
+        if (x[i] < y[i] || x[i] > y[i]) {
             return x[i] < y[i] ? -1 : 1;
         }
     }
     return 0;
+}
+
+/* By what two shapes of one kind at one pose differ, if it shows in their cores. */
+static int compare_cores(const pair_query *q)
+{
+    double a[5];
+    double b[5];
+    shape_core(q->a, a, &a[3], &a[4]);
+    shape_core(q->b, b, &b[3], &b[4]);
+    return compare(a, b, 5);
 }
 
 /* Whether the pair is to be seen the other way round. Each pair is done in one order only, so that
@@ -109,7 +120,7 @@ static int is_turned(const pair_query *q)
     int order = compare(q->a->size, q->b->size, 4);
     order = order != 0 ? order : compare(q->offset, origin, 3);
     order = order != 0 ? order : compare(q->ra, q->rb, 9);
-    return order > 0;
+    return (order != 0 ? order : compare_cores(q)) > 0;
 }
 
 static void turn(const pair_query *from, pair_query *to)
