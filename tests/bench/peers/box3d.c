@@ -1,5 +1,7 @@
 /* Box3D: its functions for one pair, with empty caches each time. It calculates in single
- * precision and knows no half-space, cylinder, cone or ellipsoid. */
+ * precision and knows no half-space, cylinder, cone or ellipsoid. By design it takes the normal of
+ * a face unless that of a pair of edges is better by a tenth and 2.5 mm: of the least ways out at
+ * small depths, those across edges are not found, which counts as wrong. */
 #include "peer.h"
 
 #include <box3d/box3d.h>
