@@ -1,0 +1,346 @@
+/* Towers: the load of a standing one is known, and long chains of unequal masses are what solvers
+ * of contacts stall on; sliding and spinning ones have no closed form, only a certificate.
+ *
+ * TRIBO_SLOW=1 in the environment: 1000 sliding towers of each height instead of some. */
+#include <tribo/sparse.h>
+#include <tribo/system.h>
+
+#include "problems.h"
+#include "quad_system.h"
+#include "systems.h"
+
+#include <float.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static void *allocate(size_t size)
+{
+    void *memory = malloc(size > 0 ? size : 1);
+    assert_non_null(memory);
+    return memory;
+}
+
+static tribo_system_options defaults(void)
+{
+    tribo_system_options options;
+    memset(&options, 0, sizeof options);
+    options.struct_size = sizeof options;
+    return options;
+}
+
+/* Impulses and velocities of a solve, judged in quad precision. */
+typedef struct answer {
+    double *impulses;
+    double *velocities;
+    tribo_system_info info;
+    quad_certificate truth;
+} answer;
+
+static void release(answer *out)
+{
+    free(out->impulses);
+    free(out->velocities);
+}
+
+/* start (may be null): impulses to start from. */
+static void solve(const systems_scene *scene, const tribo_system_options *options,
+                  const double *start, answer *out)
+{
+    tribo_system_options with = *options;
+    const char *name = "";
+    tribo_sparse *sparse = NULL;
+    tribo_linear linear;
+    size_t size = 0;
+    out->impulses = allocate(3 * scene->count * sizeof(double));
+    out->velocities = allocate(6 * scene->body_count * sizeof(double));
+    memset(&out->info, 0, sizeof out->info);
+    out->info.struct_size = sizeof out->info;
+    if (start != NULL) {
+        memcpy(out->impulses, start, 3 * scene->count * sizeof(double));
+        with.warm_start = 1;
+    }
+    memset(&linear, 0, sizeof linear);
+    linear.struct_size = sizeof linear;
+    assert_int_equal(tribo_sparse_create(TRIBO_SPARSE_AUTO, NULL, &sparse), TRIBO_OK);
+    assert_int_equal(tribo_sparse_linear(sparse, &linear), TRIBO_OK);
+    with.linear = &linear;
+    assert_int_equal(
+        tribo_system_workspace_size(scene->body_count, scene->count, scene->contacts, &with, &size),
+        TRIBO_OK);
+    void *workspace = allocate(size);
+    assert_int_equal(tribo_system_solve(scene->body_count, scene->bodies, scene->count,
+                                        scene->contacts, &with, workspace, size, out->impulses,
+                                        out->velocities, &out->info),
+                     TRIBO_OK);
+    free(workspace);
+    tribo_sparse_destroy(sparse);
+    quad_certificate_of_bodies(scene->body_count, scene->bodies, scene->count, scene->contacts,
+                               out->impulses, out->velocities, &out->truth);
+    const double units = quad_certificate_difference(&out->truth, &out->info, &name);
+    if (!(units <= 64.0)) {
+        print_message("# certificate: %s is %.3g roundings off\n", name, units);
+        fail();
+    }
+}
+
+/* ---- standing towers ------------------------------------------------------------------------- */
+
+/* Greatest relative error of the load of an interface. */
+static double load_error(const systems_scene *tower, const double *impulses)
+{
+    double weight = 0.0;
+    double greatest = 0.0;
+    for (size_t i = tower->body_count; i-- > 0;) {
+        double load = 0.0;
+        weight += SYSTEMS_FALL / tower->bodies[i].inverse_mass;
+        for (size_t k = 0; k < 4; k++) {
+            load += impulses[3 * (4 * i + k)];
+        }
+        greatest = fmax(greatest, fabs(load - weight) / weight);
+    }
+    return greatest;
+}
+
+/* What is known of all towers of one height and ratio. */
+typedef struct worst {
+    double load;
+    double factorizations;
+    double milliseconds;
+} worst;
+
+static void stand(size_t boxes, uint32_t masses, double ratio, uint32_t measure, worst *out)
+{
+    systems_scene tower;
+    answer got;
+    tribo_system_options options = defaults();
+    options.measure = measure;
+    options.tolerance = 1e-10;
+    if (measure == TRIBO_MEASURE_INVARIANT) {
+        /* what double can tell: velocities of light boxes are sums of n loads ratio times as large
+         * as the g dt that they are measured against */
+        options.tolerance = fmax(1e-10, 4.0 * DBL_EPSILON * ratio * (double)boxes);
+    }
+    systems_tower(&tower, boxes, masses, ratio, 0.5);
+    solve(&tower, &options, NULL, &got);
+    const double error = load_error(&tower, got.impulses);
+    if (got.info.stop != TRIBO_STOP_TOLERANCE) {
+        print_message("# %u boxes, masses %u, ratio %g: stop %u, eta %.2g, invariant %.2g\n",
+                      (unsigned)boxes, (unsigned)masses, ratio, (unsigned)got.info.stop,
+                      got.truth.eta, got.truth.invariant);
+    }
+    assert_int_equal(got.info.stop, TRIBO_STOP_TOLERANCE);
+    assert_true(measure == TRIBO_MEASURE_ETA || error <= 10.0 * (double)boxes * options.tolerance);
+    out->load = fmax(out->load, error);
+    out->factorizations = fmax(out->factorizations, (double)got.info.factorizations);
+    out->milliseconds = fmax(out->milliseconds, 1e3 * got.info.seconds);
+    release(&got);
+    systems_free(&tower);
+}
+
+/* From a cold start to 1e-10 in at most 40 factorisations, whatever the masses. eta is relative to
+ * what the loads do to each contact, so that light boxes under heavy ones hide an error of the
+ * load; the invariant measure is relative to g dt. */
+static void test_standing_towers(void **state)
+{
+    static const size_t heights[] = {10, 20, 50, 100};
+    static const double ratios[] = {1.0, 1e2, 1e4, 1e6};
+    (void)state;
+    for (size_t i = 0; i < 32; i++) {
+        const size_t boxes = heights[i / 8];
+        const double ratio = ratios[i / 2 % 4];
+        const uint32_t measure = (uint32_t)(i % 2);
+        worst most = {0.0, 0.0, 0.0};
+        for (uint32_t masses = SYSTEMS_TOP; masses <= SYSTEMS_ALTERNATE; masses++) {
+            stand(boxes, masses, ratio, measure, &most);
+        }
+        print_message("# %u boxes, ratio %g, by %s: at most %g factorisations, %.3g ms, error of "
+                      "a load %.2g\n",
+                      (unsigned)boxes, ratio, measure == TRIBO_MEASURE_ETA ? "eta" : "invariant",
+                      most.factorizations, most.milliseconds, most.load);
+        assert_true(most.factorizations <= 40.0);
+    }
+}
+
+/* A tower at rest that starts from its impulses is done at once. */
+static void test_resting_towers_start_warm(void **state)
+{
+    static const size_t heights[] = {1, 10, 50};
+    (void)state;
+    for (size_t h = 0; h < 3; h++) {
+        for (uint32_t solver = 0; solver < 3; solver++) {
+            systems_scene tower;
+            answer cold;
+            answer warm;
+            tribo_system_options options = defaults();
+            systems_tower(&tower, heights[h], SYSTEMS_TOP, 1.0, 0.5);
+            solve(&tower, &options, NULL, &cold);
+            options.solver = solver;
+            solve(&tower, &options, cold.impulses, &warm);
+            assert_int_equal(warm.info.stop, TRIBO_STOP_TOLERANCE);
+            assert_true(warm.info.sweeps + warm.info.steps <= 1);
+            release(&cold);
+            release(&warm);
+            systems_free(&tower);
+        }
+    }
+}
+
+/* ---- rates of Gauss-Seidel ------------------------------------------------------------------- */
+
+/* Boxes on each other with one frictionless contact between two. */
+static void chain(systems_scene *out, size_t boxes, double top)
+{
+    static const double half[3] = {0.5, 0.5, 0.5};
+    static const double up[3] = {0.0, 0.0, 1.0};
+    static const double fall[3] = {0.0, 0.0, -SYSTEMS_FALL};
+    memset(out, 0, sizeof *out);
+    for (size_t i = 0; i < boxes; i++) {
+        const double position[3] = {0.0, 0.0, 0.5 + (double)i};
+        const double point[3] = {0.0, 0.0, (double)i};
+        const uint32_t box = systems_add_box(out, half, i + 1 == boxes ? top : 1.0, position);
+        systems_add_contact(out, box, i == 0 ? TRIBO_WORLD : box - 1, point, up, 0.0)->dimension =
+            1;
+    }
+    systems_accelerate(out, fall);
+}
+
+static double chain_error(const systems_scene *scene, const double *impulses)
+{
+    double weight = 0.0;
+    double sum = 0.0;
+    for (size_t i = scene->count; i-- > 0;) {
+        weight += SYSTEMS_FALL / scene->bodies[i].inverse_mass;
+        sum += (impulses[3 * i] - weight) * (impulses[3 * i] - weight);
+    }
+    return sqrt(sum);
+}
+
+/* Error per sweep: cos^2(pi / 2n) for n equal boxes, m2 / (m1 + m2) for two. */
+static void test_gauss_seidel_has_its_exact_rate(void **state)
+{
+    static const struct {
+        size_t boxes;
+        double top;
+        uint64_t first;
+        uint64_t more;
+    } cases[] = {{2, 1.0, 8, 16},       {2, 10.0, 20, 100},  {2, 1000.0, 100, 4000},
+                 {3, 1.0, 20, 40},      {10, 1.0, 400, 300}, {20, 1.0, 1600, 800},
+                 {50, 1.0, 10000, 4000}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        systems_scene scene;
+        answer early;
+        answer late;
+        tribo_system_options options = defaults();
+        const double pi = 3.14159265358979323846;
+        const double c = cos(pi / (2.0 * (double)cases[i].boxes));
+        const double rate = cases[i].boxes == 2 ? cases[i].top / (1.0 + cases[i].top) : c * c;
+        chain(&scene, cases[i].boxes, cases[i].top);
+        options.solver = TRIBO_SOLVER_GAUSS_SEIDEL;
+        options.tolerance = 1e-300;
+        options.max_iterations = cases[i].first;
+        solve(&scene, &options, NULL, &early);
+        options.max_iterations = cases[i].more;
+        solve(&scene, &options, early.impulses, &late);
+        const double ratio =
+            chain_error(&scene, late.impulses) / chain_error(&scene, early.impulses);
+        const double measured = pow(ratio, 1.0 / (double)cases[i].more);
+        print_message("# %u boxes, top %g kg: rate %.9f, exact %.9f\n", (unsigned)cases[i].boxes,
+                      cases[i].top, measured, rate);
+        assert_true(late.info.sweeps == cases[i].more);
+        assert_true(fabs(measured - rate) <= 1e-6 * (1.0 - rate) + 1e-9);
+        release(&early);
+        release(&late);
+        systems_free(&scene);
+    }
+}
+
+/* ---- sliding and spinning towers ------------------------------------------------------------- */
+
+static int by_size(const void *a, const void *b)
+{
+    const double x = *(const double *)a;
+    const double y = *(const double *)b;
+    return x < y ? -1 : x > y;
+}
+
+static double quantile(const double *sorted, size_t count, double share)
+{
+    return sorted[(size_t)(share * (double)(count - 1) + 0.5)];
+}
+
+static void print_quantiles(const char *what, double *values, size_t count)
+{
+    qsort(values, count, sizeof *values, by_size);
+    print_message("#     %s: median %.3g, 90 %% %.3g, 99 %% %.3g, most %.3g\n", what,
+                  quantile(values, count, 0.5), quantile(values, count, 0.9),
+                  quantile(values, count, 0.99), values[count - 1]);
+}
+
+/* Success at 1e-9 over random towers of one height; returns its share. */
+static double slide(size_t boxes, size_t count)
+{
+    double *seconds = allocate(count * sizeof *seconds);
+    double *factors = allocate(count * sizeof *factors);
+    size_t solved = 0;
+    for (size_t i = 0; i < count; i++) {
+        systems_scene tower;
+        answer got;
+        tribo_system_options options = defaults();
+        options.tolerance = 1e-9;
+        options.max_seconds = 20.0;
+        systems_sliding_tower(&tower, boxes, i);
+        solve(&tower, &options, NULL, &got);
+        const int good = got.truth.eta <= 1e-9 && got.truth.energy <= got.truth.energy_noise;
+        if (!good && count <= 100) {
+            print_message("#     seed %u: stop %u, eta %.3g, mu %.3g\n", (unsigned)i,
+                          (unsigned)got.info.stop, got.truth.eta, tower.contacts[0].pair.mu_s);
+        }
+        solved += (size_t)good;
+        seconds[i] = 1e3 * got.info.seconds;
+        factors[i] = (double)got.info.factorizations;
+        release(&got);
+        systems_free(&tower);
+    }
+    print_message("# %u boxes: %u of %u to 1e-9\n", (unsigned)boxes, (unsigned)solved,
+                  (unsigned)count);
+    print_quantiles("ms", seconds, count);
+    print_quantiles("factorisations", factors, count);
+    free(seconds);
+    free(factors);
+    return (double)solved / (double)count;
+}
+
+static void test_sliding_towers(void **state)
+{
+    static const struct {
+        size_t boxes;
+        size_t some;
+    } heights[] = {{2, 60}, {5, 40}, {10, 30}, {20, 15}, {50, 6}, {100, 3}};
+    const char *slow = getenv("TRIBO_SLOW");
+    double least = 1.0;
+    (void)state;
+    for (size_t i = 0; i < sizeof heights / sizeof heights[0]; i++) {
+        const size_t count =
+            slow != NULL && slow[0] == '1' ? 1000 : (size_t)problem_count(heights[i].some);
+        least = fmin(least, slide(heights[i].boxes, count));
+    }
+    assert_true(least == 1.0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_standing_towers),
+        cmocka_unit_test(test_resting_towers_start_warm),
+        cmocka_unit_test(test_gauss_seidel_has_its_exact_rate),
+        cmocka_unit_test(test_sliding_towers),
+    };
+    return cmocka_run_group_tests_name("towers", tests, NULL, NULL);
+}
