@@ -597,9 +597,12 @@ static tribo_status unscale_from_cone(const double scaled[3], double s, double o
     return TRIBO_OK;
 }
 
-/* Rounding to subnormal numbers may have put p_t outside of the cone: down by one of them. */
+/* Rounding p_t to subnormal numbers may have put it outside of the cone: down by one of them. */
 static void step_into_cone(double p[3], double mu)
 {
+    if (greater(absolute(p[1]), absolute(p[2])) >= DBL_MIN) {
+        return;
+    }
     for (int tries = 0; tries < 2 && !tribo_cone_contains(p, mu, 4.0 * TRIBO_EPS); tries++) {
         for (int i = 1; i < 3; i++) {
             if (p[i] != 0.0) {
