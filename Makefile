@@ -186,15 +186,20 @@ $(BUILD)/flags: FORCE
 
 CLI_OBJECTS := $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard src/cli/*.c))
 SUPPORT_OBJECTS := $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard tests/support/*.c))
-FUZZ_OBJECTS := $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard fuzz/support/*.c)) $(SUPPORT_OBJECTS)
+# Rooms of libtribo and of the program; the targets of all others link libtribo_core alone.
+FULL_ROOMS := broad collide shape table
+FULL_SUPPORT := $(BUILD)/obj/fuzz/support/shapes.o $(BUILD)/obj/tests/support/pairs.o
+FUZZ_OBJECTS := $(filter-out $(FULL_SUPPORT),$(SUPPORT_OBJECTS) \
+    $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard fuzz/support/*.c)))
 ROOMS := $(patsubst fuzz/%.c,%,$(wildcard fuzz/*.c))
 TESTS := $(patsubst tests/%.c,$(BUILD)/tests/%,$(wildcard tests/*.c))
 BENCHES := $(patsubst tests/bench/%.c,$(BUILD)/bench/%,$(wildcard tests/bench/*.c))
 RANDOMS := $(ROOMS:%=$(BUILD)/fuzz/%-random)
 REPLAYS := $(ROOMS:%=$(BUILD)/fuzz/%-replay)
 ENGINES := $(ROOMS:%=$(BUILD)/fuzz/%)
-APP_OBJECTS := $(CLI_OBJECTS) $(FUZZ_OBJECTS) $(patsubst %.c,$(BUILD)/obj/%.o,\
-    $(wildcard tests/*.c tests/bench/*.c fuzz/*.c fuzz/driver/*.c))
+FULL_TARGETS := $(foreach suffix,% %-random %-replay,$(FULL_ROOMS:%=$(BUILD)/fuzz/$(suffix)))
+APP_OBJECTS := $(sort $(CLI_OBJECTS) $(SUPPORT_OBJECTS) $(FUZZ_OBJECTS) $(FULL_SUPPORT) \
+    $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard tests/*.c tests/bench/*.c fuzz/*.c fuzz/driver/*.c)))
 
 $(APP_OBJECTS): $(BUILD)/obj/%.o: %.c $(BUILD)/flags
 	@mkdir -p $(@D)
@@ -220,23 +225,27 @@ $(BENCHES): $(BUILD)/bench/%: $(BUILD)/obj/tests/bench/%.o $(SUPPORT_OBJECTS) $(
 	$(link) $(FULL_LIBS) -ldl -lm
 
 $(RANDOMS): $(BUILD)/fuzz/%-random: $(BUILD)/obj/fuzz/%.o $(BUILD)/obj/fuzz/driver/random.o \
-    $(FUZZ_OBJECTS) $(FULL_STATIC) $(STATIC)
-	$(link) $(FULL_LIBS) $(ROOM_LIBS) -lm
+    $(FUZZ_OBJECTS) $(STATIC)
+	$(link) $(ROOM_LIBS) -lm
 
 $(REPLAYS): $(BUILD)/fuzz/%-replay: $(BUILD)/obj/fuzz/%.o $(BUILD)/obj/fuzz/driver/replay.o \
-    $(FUZZ_OBJECTS) $(FULL_STATIC) $(STATIC)
-	$(link) $(FULL_LIBS) $(ROOM_LIBS) -lm
+    $(FUZZ_OBJECTS) $(STATIC)
+	$(link) $(ROOM_LIBS) -lm
 
 # OSS-Fuzz and `make fuzz` name the engine: a flag such as -fsanitize=fuzzer, or an archive.
-$(ENGINES): $(BUILD)/fuzz/%: $(BUILD)/obj/fuzz/%.o $(FUZZ_OBJECTS) $(FULL_STATIC) $(STATIC)
-	$(link) $(LIB_FUZZING_ENGINE) $(FULL_LIBS) $(ROOM_LIBS) -lm
+$(ENGINES): $(BUILD)/fuzz/%: $(BUILD)/obj/fuzz/%.o $(FUZZ_OBJECTS) $(STATIC)
+	$(link) $(LIB_FUZZING_ENGINE) $(ROOM_LIBS) -lm
+
+# libtribo comes after libtribo_core among the prerequisites, but needs it after itself.
+$(FULL_TARGETS): $(FULL_SUPPORT) $(FULL_STATIC)
+$(FULL_TARGETS): ROOM_LIBS := $(STATIC) $(FULL_LIBS)
 
 # The room of the program's readers is linked with them.
 READERS := $(patsubst %.c,$(BUILD)/obj/src/cli/%.o,cli.c collide.c condense.c dat.c fclib.c \
     problem.c recorded.c table.c)
 TABLE := $(BUILD)/fuzz/table $(BUILD)/fuzz/table-random $(BUILD)/fuzz/table-replay
 $(TABLE): $(READERS)
-$(TABLE): ROOM_LIBS := -lcsv $(HDF5_LIBS)
+$(TABLE): ROOM_LIBS += -lcsv $(HDF5_LIBS)
 
 -include $(patsubst %.o,%.d,$(LIB_OBJECTS) $(FULL_OBJECTS) $(LANES_OBJECTS) $(APP_OBJECTS))
 

@@ -29,18 +29,24 @@ code()
 }
 
 echo 1..7
-library=$BUILD/libtribo_core.so
-nm -D --defined-only "$library" 2>"$work/errors" | awk '{ sub(/@.*/, "", $3); print $3 }' |
-    grep '^tribo_' | sort -u >"$work/exported"
+# exported LIBRARY: the functions of a library
+exported()
+{
+    nm -D --defined-only "$BUILD/$1.so" 2>>"$work/errors" |
+        awk '{ sub(/@.*/, "", $3); print $3 }' | grep '^tribo_' | sort -u
+}
+exported libtribo_core >"$work/core"
+exported libtribo >"$work/full"
+sort -u "$work/core" "$work/full" >"$work/exported"
 sed -n 's/^| `\(tribo_[a-z0-9_]*\)` | `\([a-z]*\.c\)` |$/\1 \2/p' "$SRCDIR/fuzz/README.md" |
     sort >"$work/table"
 cut -d' ' -f1 "$work/table" | uniq >"$work/listed"
 
 {
-    [ -s "$work/exported" ] || echo "no symbols in $library: $(cat "$work/errors")"
+    [ -s "$work/core" ] && [ -s "$work/full" ] || echo "no symbols: $(cat "$work/errors")"
     [ -s "$work/table" ] || echo "no table in fuzz/README.md"
 } >"$work/wrong"
-report "library and table can be read" "$work/wrong"
+report "libraries and table can be read" "$work/wrong"
 
 comm -23 "$work/exported" "$work/listed" >"$work/wrong"
 report "every exported function is in the table" "$work/wrong"
