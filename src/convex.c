@@ -66,7 +66,10 @@ typedef struct search {
     double rounding;  /* of a width */
     double normal[3]; /* direction of the least width seen */
     double width;
-    basin lowest;   /* of the minima whose surroundings are known; width: infinite if none is */
+    basin lowest;       /* of the minima whose surroundings are known; width: infinite if none is */
+    double last[2][3];  /* points of A and B, from their cores, of the latest support */
+    double facet[3][3]; /* points of M where features meet */
+    int has_facet;
     uint64_t calls; /* of M; each is one of A and one of B */
     uint64_t limit; /* beyond this many libccd is told to stop */
     int patient;    /* many directions are nearly as good: each is worth more work */
@@ -193,12 +196,13 @@ static int part(const tribo_shape *shape, const double r[9], const double center
  * least. */
 static double support(search *s, const double n[3], double point[3])
 {
-    double a[3] = {0.0, 0.0, 0.0};
-    double b[3] = {0.0, 0.0, 0.0};
+    double *a = s->last[0];
+    double *b = s->last[1];
     s->calls++;
     if (!part(s->pair->a, s->pair->ra, s->center_a, s->scale, n, -1.0, a) ||
         !part(s->pair->b, s->pair->rb, s->center_b, s->scale, n, 1.0, b)) {
         s->fault = 1;
+        memset(s->last, 0, sizeof s->last);
     }
     for (int i = 0; i < 3; i++) {
         point[i] = s->offset[i] + (b[i] - a[i]);
@@ -206,8 +210,9 @@ static double support(search *s, const double n[3], double point[3])
     const double width = dot(n, point);
     const double limit = (1.0 + 1e-6) * s->reach;
     const int behind = !(dot(n, a) <= s->rounding) || !(dot(n, b) >= 0.0 - s->rounding);
-    subtract(b, a, b);
-    if (behind || !(dot(b, b) <= limit * limit)) {
+    double across[3];
+    subtract(b, a, across);
+    if (behind || !(dot(across, across) <= limit * limit)) {
         s->fault = 1; /* the core lies beyond the farthest point, or that outside of the ball */
     }
     if (width < s->width) {
@@ -836,6 +841,10 @@ static int is_known(const search *s)
  * lies as deep as it: without them a smooth place would have to be halved down to their size. */
 static void ring(search *s, double p[3][3])
 {
+    if (s->has_facet) {
+        memcpy(p, s->facet, sizeof s->facet);
+        return;
+    }
     static const double turn[3][2] = {{1.0, 0.0}, {-0.5, 0.75}, {-0.5, -0.75}};
     double f[9];
     basis_rows(s->normal[0], s->normal[1], s->normal[2], f);
@@ -875,7 +884,7 @@ static int first_polytope(search *s, polytope *x)
 /* ---- kinks ----------------------------------------------------------------------------------- */
 
 typedef struct support_face {
-    double p[3 * TRIBO_MAX_FACE]; /* world axes */
+    double p[3 * TRIBO_MAX_FACE]; /* world axes, scaled, from the core */
     double normal[3];             /* of the axis: from B to A */
     uint32_t count;
     const tribo_shape *shape;
@@ -883,19 +892,22 @@ typedef struct support_face {
     double sign; /* of the axis as the shape sees it */
 } support_face;
 
-static void face_of(const tribo_shape *shape, const double r[9], const double along[3], double sign,
-                    support_face *face)
+static void face_of(const search *s, const tribo_shape *shape, const double r[9],
+                    const double center[3], double sign, support_face *face)
 {
     double local[3];
     double normal[3];
     double points[3 * TRIBO_MAX_FACE];
     uint32_t feature;
-    rotate_back(r, along, sign, local);
+    rotate_back(r, s->normal, sign, local);
     face->shape = shape;
     face->r = r;
     face->sign = sign;
     face->count = shape_face(shape, local, points, normal, &feature);
     for (uint32_t i = 0; i < face->count; i++) {
+        for (int c = 0; c < 3; c++) {
+            points[3 * i + (uint32_t)c] = (points[3 * i + (uint32_t)c] - center[c]) * s->scale;
+        }
         rotate(r, points + 3 * i, face->p + 3 * i);
     }
     double world[3];
@@ -1014,6 +1026,46 @@ static int meeting(const search *s, const crease *k, const crease *l, double n[3
     return 1;
 }
 
+/* The point of M between one of A and one of B. */
+static void note_corner(search *s, int at, const double a[3], const double b[3])
+{
+    for (int c = 0; c < 3; c++) {
+        s->facet[at][c] = s->offset[c] + (b[c] - a[c]);
+    }
+}
+
+/* Whether the corners of a face are points of M: what a user says of his is not trusted so far. */
+static int is_of_bone(const support_face *face)
+{
+    return face->shape->type != TRIBO_SHAPE_CONVEX && radius_of(face->shape) == 0.0;
+}
+
+/* Takes the normal of a face. With the farthest point of the other shape it is a facet of M. */
+static int prefer_face(search *s, const support_face *face, int side)
+{
+    if (face->count < 3 || !prefer(s, face->normal)) {
+        return 0;
+    }
+    s->has_facet = is_of_bone(face);
+    for (uint32_t k = 0; k < 3; k++) {
+        const double *corner = face->p + 3 * (k * face->count / 3);
+        note_corner(s, (int)k, side == 0 ? corner : s->last[0], side == 0 ? s->last[1] : corner);
+    }
+    return 1;
+}
+
+/* Two edges that cross are a facet too. */
+static void note_edges(search *s, const support_face *a, uint32_t i, const support_face *b,
+                       uint32_t j)
+{
+    const double *to_a = a->p + 3 * ((i + 1) % a->count);
+    const double *to_b = b->p + 3 * ((j + 1) % b->count);
+    s->has_facet = s->flat && is_of_bone(a) && is_of_bone(b); /* a round shape has chords here */
+    note_corner(s, 0, a->p + 3 * i, b->p + 3 * j);
+    note_corner(s, 1, to_a, b->p + 3 * j);
+    note_corner(s, 2, to_a, to_b);
+}
+
 /* Where those creases of both faces meet on which the axis lies nearly. */
 static int prefer_edges(search *s, const support_face *a, const support_face *b)
 {
@@ -1027,6 +1079,7 @@ static int prefer_edges(search *s, const support_face *a, const support_face *b)
             crease l;
             double n[3];
             if (crease_of(s, b, j, square, &l) && meeting(s, &k, &l, n) && prefer(s, n)) {
+                note_edges(s, a, i, b, j);
                 return 1;
             }
         }
@@ -1036,8 +1089,8 @@ static int prefer_edges(search *s, const support_face *a, const support_face *b)
 
 static void faces_of(const search *s, support_face *a, support_face *b)
 {
-    face_of(s->pair->a, s->pair->ra, s->normal, -1.0, a);
-    face_of(s->pair->b, s->pair->rb, s->normal, 1.0, b);
+    face_of(s, s->pair->a, s->pair->ra, s->center_a, -1.0, a);
+    face_of(s, s->pair->b, s->pair->rb, s->center_b, 1.0, b);
 }
 
 /* The normals of the faces that meet, or of the edges. Returns whether one of them is as good
@@ -1047,7 +1100,7 @@ static int snap(search *s)
     support_face a;
     support_face b;
     faces_of(s, &a, &b);
-    return (a.count > 2 && prefer(s, a.normal)) || (b.count > 2 && prefer(s, b.normal)) ||
+    return prefer_face(s, &a, 0) || prefer_face(s, &b, 1) ||
            (a.count > 1 && b.count > 1 && prefer_edges(s, &a, &b));
 }
 
@@ -1209,6 +1262,7 @@ static void begin(search *s, const pair_query *pair)
     memset(&s->lowest, 0, sizeof s->lowest);
     s->lowest.width = HUGE_VAL;
     s->patient = 0;
+    s->has_facet = 0;
     s->calls = 0;
     s->limit = 0;
     s->stopped = 0;

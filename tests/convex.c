@@ -335,9 +335,9 @@ static void needs_few_support_calls(void **state)
     static const struct {
         int a, b;
         double most;
-    } bounds[] = {{PAIRS_SPHERE, PAIRS_BOX, 25.0},          {PAIRS_BOX, PAIRS_BOX, 38.0},
-                  {PAIRS_CAPSULE, PAIRS_HULL32, 28.0},      {PAIRS_HULL32, PAIRS_HULL32, 46.0},
-                  {PAIRS_ELLIPSOID, PAIRS_ELLIPSOID, 75.0}, {PAIRS_CYLINDER, PAIRS_BOX, 85.0}};
+    } bounds[] = {{PAIRS_SPHERE, PAIRS_BOX, 25.0},          {PAIRS_BOX, PAIRS_BOX, 32.0},
+                  {PAIRS_CAPSULE, PAIRS_HULL32, 28.0},      {PAIRS_HULL32, PAIRS_HULL32, 34.0},
+                  {PAIRS_ELLIPSOID, PAIRS_ELLIPSOID, 75.0}, {PAIRS_CYLINDER, PAIRS_BOX, 72.0}};
     (void)state;
     for (size_t k = 0; k < sizeof bounds / sizeof bounds[0]; k++) {
         tribo_collide_info info = {0};

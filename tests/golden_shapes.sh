@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Same bits everywhere for libtribo: the hashes of tests/golden/shapes.c, one test for each compiler,
+# Same bits everywhere for libtribo: the hashes of tests/golden/shapes.c, a test for each compiler,
 # optimisation and architecture, against tests/golden/shapes.txt.
 #
 #   tests/golden_shapes.sh [--update|--write]
 #       --update writes shapes.txt anew (gcc -O2) before comparing, --write does no more than that
 #
-# Where libccd and Qhull are, all of it runs with them. What needs neither runs bare on every target.
+# Where libccd and Qhull are, all of it runs with them; what needs neither runs bare everywhere.
 set -u
 cd "${SRCDIR:-$(dirname "$0")/..}" || exit 2
 : "${BUILD:=$PWD/build}" "${CC:=gcc}"

@@ -1,4 +1,4 @@
-/* Counts who is asked: linked with --wrap around the entries of hull code, of the general method and
+/* Counts who is asked: linked with --wrap around the entries of hull code, the general method and
  * of libccd, and with allocators of its own that libraries find before the C library's. Prints one
  * line of TAP, without numbers, for each scene. */
 #include <tribo/broad.h>
