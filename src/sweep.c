@@ -225,7 +225,7 @@ static void clear_threes(sweep *s)
         clear_ends(&g->ends, s->problem.bodies);
         for (int i = 0; i < LANES; i++) {
             g->q[0][i] = g->nn[i] = g->t11[i] = g->t22[i] = 1.0;
-            g->scale[i] = g->inverse_a[i] = g->mu_s[i] = g->mu_d[i] = 1.0;
+            g->scale[i] = g->inverse_a[i] = g->mu_s[i] = g->inverse_mu[i] = 1.0;
         }
     }
 }
@@ -273,6 +273,7 @@ static void fill_matrix(const system_problem *problem, uint32_t c, uint32_t i, s
 {
     static const double nothing[3] = {0.0, 0.0, 0.0};
     const double *diagonal = problem->diagonal + 9 * (size_t)c;
+    const double mu_d = problem->mu[2 * (size_t)c + 1];
     double w[6];
     kernel_problem k;
     kernel_schur schur;
@@ -286,11 +287,11 @@ static void fill_matrix(const system_problem *problem, uint32_t c, uint32_t i, s
     g->t12[i] = k.t12;
     g->t22[i] = k.t22;
     g->mu_s[i] = problem->mu[2 * (size_t)c];
-    g->mu_d[i] = problem->mu[2 * (size_t)c + 1];
+    g->inverse_mu[i] = 1.0 / mu_d;
     g->scale[i] = power_of_two(scale_exponent(greater(greater(w[0], w[3]), w[5])));
     const double trace = schur.s11 + schur.s22;
     const double det = schur.s11 * schur.s22 - schur.s12 * schur.s12;
-    const int sound = is_sound(trace, det, g->mu_s[i], g->mu_d[i], k.fault);
+    const int sound = is_sound(trace, det, g->mu_s[i], mu_d, k.fault);
     g->inverse_a[i] = sound ? schur.inverse_a : 0.0;
 }
 

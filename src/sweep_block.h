@@ -45,7 +45,7 @@ typedef struct sweep_three {
     lane_row frame[9], turn_a[9], turn_b[9];
     lane_row q[3], r[3];
     lane_row nn, n1, n2, t11, t12, t22;
-    lane_row scale, inverse_a, mu_s, mu_d;
+    lane_row scale, inverse_a, mu_s, inverse_mu; /* of mu_d */
     lane_row nu; /* root of the slip equation in the last sweep; 0: none */
 } sweep_three;
 
@@ -101,7 +101,7 @@ TRIBO_ALWAYS_INLINE void sweep_velocity(const sweep_three *g, size_t i, const do
 /* The local problem without its own impulse, up to whether it sticks. */
 typedef struct sweep_pose {
     double bn, c1, c2, e1, e2, trace, det;
-    double base_b, base_c, gamma;
+    double base_b, base_c;
     double up; /* p = (p of the scaled problem) * up */
     double mode;
 } sweep_pose;
@@ -137,7 +137,7 @@ TRIBO_ALWAYS_INLINE void sweep_pose_one(const sweep_three *g, size_t i, const do
     const double e1 = s22 * c1 - s12 * c2;
     const double e2 = s11 * c2 - s12 * c1;
     const double base_c = -bn * det - (n1 * e1 + n2 * e2);
-    const double gamma = nn * nn * (e1 * e1 + e2 * e2);
+    const double drive = nn * sqrt(e1 * e1 + e2 * e2);
     out->bn = bn;
     out->c1 = c1;
     out->c2 = c2;
@@ -147,11 +147,10 @@ TRIBO_ALWAYS_INLINE void sweep_pose_one(const sweep_three *g, size_t i, const do
     out->det = det;
     out->base_b = -bn * trace - (n1 * c1 + n2 * c2);
     out->base_c = base_c;
-    out->gamma = gamma;
     out->up = power_of_two(2046u - eb);
     const double greatest_c = greater(absolute(c1), absolute(c2));
     const double least_c = greatest_c > 0.0 ? FAST_MIN_DRIVE : 0.0;
-    const double closing = g->mu_s[i] * base_c >= sqrt(gamma) ? KERNEL_STICK : KERNEL_SLIP;
+    const double closing = g->mu_s[i] * base_c >= drive ? KERNEL_STICK : KERNEL_SLIP;
     const int usual_size = (-bn >= FAST_MIN) & (greatest_c >= least_c);
     const double usual = usual_size ? closing : KERNEL_ODD;
     const double mode = bn >= 0.0 ? KERNEL_OPEN : usual;
@@ -159,18 +158,18 @@ TRIBO_ALWAYS_INLINE void sweep_pose_one(const sweep_three *g, size_t i, const do
     out->mode = sound ? mode : KERNEL_ODD;
 }
 
-/* The slip equation. */
+/* The slip equation of kernel.h, divided by mu. */
 TRIBO_ALWAYS_INLINE void sweep_slip_one(const sweep_three *g, size_t i, const sweep_pose *e,
                                         kernel_slip *out)
 {
-    const double mu_d = g->mu_d[i];
-    const double unit = g->nn[i] * g->nn[i];
-    out->A = -mu_d * e->bn;
-    out->B = mu_d * e->base_b;
-    out->C = mu_d * e->base_c;
+    const double inverse = g->inverse_mu[i] * g->nn[i];
+    const double unit = inverse * inverse;
+    out->A = -e->bn;
+    out->B = e->base_b;
+    out->C = e->base_c;
     out->alpha = unit * (e->c1 * e->c1 + e->c2 * e->c2);
     out->beta = unit * (e->c1 * e->e1 + e->c2 * e->e2);
-    out->gamma = e->gamma;
+    out->gamma = unit * (e->e1 * e->e1 + e->e2 * e->e2);
     out->least = FAST_CONDITION * e->trace;
 }
 
@@ -194,7 +193,7 @@ TRIBO_ALWAYS_INLINE double sweep_finish_one(const sweep_three *g, size_t i, cons
     s.trace = e->trace;
     s.det = e->det;
     s.mu_s = g->mu_s[i];
-    s.inverse_mu = 1.0 / g->mu_d[i];
+    s.inverse_mu = g->inverse_mu[i];
     double impulse[3];
     kernel_finish(&s, slips ? nu : 0.0, slips, impulse);
     const double push = nn * impulse[0];

@@ -162,15 +162,13 @@ TRIBO_ALWAYS_INLINE void store_end(lane_ends *e, int i, const double in[6])
 
 typedef struct lane_pose {
     lane_row u[3];
-    lane_row bn, c1, c2, e1, e2, trace, det, base_b, base_c, gamma, up, mode;
+    lane_row bn, c1, c2, e1, e2, trace, det, base_b, base_c, up, mode;
 } lane_pose;
 
 TRIBO_ALWAYS_INLINE sweep_pose pose_of(const lane_pose *p, int i)
 {
-    const sweep_pose e = {
-        p->bn[i],  p->c1[i],     p->c2[i],     p->e1[i],    p->e2[i], p->trace[i],
-        p->det[i], p->base_b[i], p->base_c[i], p->gamma[i], p->up[i], p->mode[i],
-    };
+    const sweep_pose e = {p->bn[i],  p->c1[i],     p->c2[i],     p->e1[i], p->e2[i],  p->trace[i],
+                          p->det[i], p->base_b[i], p->base_c[i], p->up[i], p->mode[i]};
     return e;
 }
 
@@ -198,7 +196,6 @@ STAGE void pose_lanes(const sweep_three *restrict g, const lane_ends *restrict a
         out->det[i] = e.det;
         out->base_b[i] = e.base_b;
         out->base_c[i] = e.base_c;
-        out->gamma[i] = e.gamma;
         out->up[i] = e.up;
         out->mode[i] = e.mode;
     }
@@ -250,20 +247,24 @@ STAGE void guess_lanes(lane_slip *restrict slip)
     }
 }
 
+/* A sum that is not one long chain. */
+TRIBO_ALWAYS_INLINE double sum_lanes(const double *x)
+{
+    return ((x[0] + x[1]) + (x[2] + x[3])) + ((x[4] + x[5]) + (x[6] + x[7]));
+}
+
 /* One step of all lanes that slip and have not settled; open[i] is 1 there. Returns how many go
  * on. */
 STAGE double step_lanes(lane_slip *restrict slip, double *restrict open)
 {
-    double left = 0.0;
     for (int i = 0; i < LANES; i++) {
         const kernel_slip e = slip_of(slip, i);
         double nu = e.nu;
         const int settled = kernel_halley(&e, &nu);
         slip->nu[i] = open[i] != 0.0 ? nu : e.nu;
         open[i] = settled ? 0.0 : open[i];
-        left += open[i];
     }
-    return left;
+    return sum_lanes(open);
 }
 
 /* Lanes that slip to their roots, from those of the last sweep on; open[i] is 1 where that does not
@@ -272,20 +273,19 @@ STAGE void settle_lanes(sweep_three *restrict g, const lane_pose *restrict pose,
                         double *restrict open)
 {
     lane_slip slip;
-    double left = 0.0;
-    double new = 0.0;
+    lane_row new;
     for (int i = 0; i < LANES; i++) {
         const double slips = pose->mode[i] == KERNEL_SLIP ? 1.0 : 0.0;
         open[i] = slips;
-        left += slips;
-        new += g->nu[i] > 0.0 ? 0.0 : slips;
+        new[i] = g->nu[i] > 0.0 ? 0.0 : slips;
     }
+    double left = sum_lanes(open);
     if (left == 0.0) {
         return;
     }
     slip_lanes(g, pose, &slip);
     memcpy(slip.nu, g->nu, sizeof slip.nu);
-    if (new > 0.0) {
+    if (sum_lanes(new) > 0.0) {
         guess_lanes(&slip);
     }
     for (int step = 0; step < MAX_HALLEY && left > 0.0; step++) {
@@ -310,7 +310,7 @@ STAGE double finish_lanes(sweep_three *restrict g, const lane_pose *restrict pos
         const double root = wrong == 0.0 ? nu : 0.0;
         g->nu[i] = e.mode == KERNEL_SLIP ? root : 0.0;
     }
-    return ((odd[0] + odd[1]) + (odd[2] + odd[3])) + ((odd[4] + odd[5]) + (odd[6] + odd[7]));
+    return sum_lanes(odd);
 }
 
 /* Returns 1 if a lane fails. */
