@@ -435,6 +435,7 @@ static uint32_t touch_at_edges(const double frame[9], const polygon p[2], double
     const double s0 = (du * au + dv * av) / aa;
     const double s1 = s0 + (bu * au + bv * av) / aa;
     const double s[2] = {held(lesser(s0, s1)), held(greater(s0, s1))};
+    double least = (double)INFINITY;
     uint32_t count = 0;
     for (int k = 0; k < 2 && (k == 0 || s[1] > s[0]); k++) {
         const int at_a = s[k] == (double)k;
@@ -445,9 +446,9 @@ static uint32_t touch_at_edges(const double frame[9], const polygon p[2], double
         } else {
             points[count].b = pair_feature(p[1].feature, PAIR_VERTEX, (uint32_t)at_b);
         }
+        least = lesser(least, points[count].distance);
         count++;
     }
-    const double least = points[deepest_of(points, count)].distance;
     for (uint32_t k = 0; k < count; k++) {
         points[k].distance += distance - least; /* the axis may lean on an end of either */
     }
@@ -1034,13 +1035,15 @@ static uint32_t sift(double margin, double reach, uint32_t count, pair_point *po
     return kept;
 }
 
+/* One number after the other: what was stored so can not be loaded at once without a stall. */
 static void write_point(const pair_query *query, const pair_point *from, tribo_point *to)
 {
-    const double *middle = from->middle;
-    const double *offset = query->offset;
-    const double other[3] = {middle[0] - offset[0], middle[1] - offset[1], middle[2] - offset[2]};
-    memcpy(query->turned ? to->arm_b : to->arm_a, middle, sizeof to->arm_a);
-    memcpy(query->turned ? to->arm_a : to->arm_b, other, sizeof to->arm_b);
+    double *own = query->turned ? to->arm_b : to->arm_a;
+    double *other = query->turned ? to->arm_a : to->arm_b;
+    for (int i = 0; i < 3; i++) {
+        own[i] = from->middle[i];
+        other[i] = from->middle[i] - query->offset[i];
+    }
     to->distance = from->distance;
     to->id = query->turned ? (uint64_t)from->b << 32 | from->a : (uint64_t)from->a << 32 | from->b;
 }
