@@ -1,6 +1,7 @@
 /* Nanoseconds per body and step of the broad phase: every body moves a little, then all overlapping
- * pairs are listed. From 1e2 to 1e6 boxes at constant density, beside brute force and a plain sweep
- * along one axis over the same boxes in the same run. All three must find the same number of pairs.
+ * pairs are listed. From 1e2 to 1e6 boxes at constant density, beside brute force, a plain sweep
+ * along one axis and Bullet's tree, if it is there, over the same boxes in the same run. All must
+ * find the same number of pairs.
  *
  * Boxes lie at random, so that neighbours in space are strangers in memory: the worst case for
  * caches, and what is left of any order after a while. The clock is that of the thread; figures
@@ -16,8 +17,16 @@
 #include <time.h>
 
 #include "../support/problems.h"
+#include "peers/load.h"
+#include "peers/peer.h"
 
-enum { SEED = 20160603, MOST_STEPS = 41, BRUTE_LIMIT = 10000, SWEEP_LIMIT = 100000 };
+enum {
+    SEED = 20160603,
+    MOST_STEPS = 41,
+    BRUTE_LIMIT = 10000,
+    SWEEP_LIMIT = 100000,
+    PEER_LIMIT = 100000
+};
 
 static const double room = 2.0;    /* volume per body, whose edges are 0.5 to 1.5 */
 static const double stride = 0.01; /* greatest motion per step and axis */
@@ -38,8 +47,8 @@ typedef struct crowd {
 } crowd;
 
 typedef struct timing {
-    double add, move, pairs, brute, sweep; /* negative: not done */
-    double share;                          /* pairs per body */
+    double add, move, pairs, brute, sweep, peer; /* negative: not done */
+    double share;                                /* pairs per body */
 } timing;
 
 static double now(void)
@@ -218,13 +227,25 @@ static double time_other(crowd *c, size_t (*method)(crowd *), size_t expected)
     return ns;
 }
 
+static const peer_broad *other; /* null: it is not there */
+
+/* The peer's step, moving and listing, over boxes that the tree has been moved to. */
+static double time_peer(void *broad, const crowd *c, size_t expected)
+{
+    const double start = now();
+    const size_t found = other->step(broad, c->boxes);
+    const double ns = now() - start;
+    demand(found == expected, "the peer disagrees on the number of pairs");
+    return ns;
+}
+
 static timing measure(size_t count, size_t steps)
 {
     crowd c = make_crowd(count);
     tribo_tree *tree = NULL;
     void *block = allocate(tribo_tree_size((uint32_t)count));
     demand(tribo_tree_init(block, (uint32_t)count, margin, &tree) == TRIBO_OK, "no tree");
-    double times[4][MOST_STEPS];
+    double times[5][MOST_STEPS];
     timing t = {0};
     t.add = -now();
     for (size_t i = 0; i < count; i++) {
@@ -232,9 +253,14 @@ static timing measure(size_t count, size_t steps)
         (void)tribo_tree_add(tree, c.boxes + 6 * i, c.boxes + 6 * i + 3, &id);
     }
     t.add += now();
+    void *broad =
+        other != NULL && count <= PEER_LIMIT ? other->make((unsigned)count, c.boxes) : NULL;
     for (double step = 0.0; step < settling; step++) {
         drift(&c);
         move_all(&c, tree);
+        if (broad != NULL) {
+            (void)other->step(broad, c.boxes);
+        }
     }
     sorted_boxes = c.boxes;
     qsort(c.order, count, sizeof *c.order, compare_low);
@@ -249,6 +275,7 @@ static timing measure(size_t count, size_t steps)
         times[1][step] = now() - moved;
         times[2][step] = count <= BRUTE_LIMIT ? time_other(&c, brute_force, found) : 0.0;
         times[3][step] = count <= SWEEP_LIMIT ? time_other(&c, sweep, found) : 0.0;
+        times[4][step] = broad != NULL ? time_peer(broad, &c, found) : 0.0;
     }
     const double each = 1.0 / (double)count;
     t.add *= each;
@@ -256,7 +283,11 @@ static timing measure(size_t count, size_t steps)
     t.pairs = median(steps, times[1]) * each;
     t.brute = count <= BRUTE_LIMIT ? median(steps, times[2]) * each : -1.0;
     t.sweep = count <= SWEEP_LIMIT ? median(steps, times[3]) * each : -1.0;
+    t.peer = broad != NULL ? median(steps, times[4]) * each : -1.0;
     t.share = (double)found * each;
+    if (broad != NULL) {
+        other->drop(broad);
+    }
     free(block);
     free_crowd(&c);
     return t;
@@ -274,13 +305,17 @@ static void print_other(double ns)
 int main(int argc, char **argv)
 {
     const size_t limit = argc > 1 ? strtoul(argv[1], NULL, 10) : 1000000;
+    other = load_peer(argc > 0 ? argv[0] : "", "bullet", PEER_BROAD);
     printf("# broad phase: ns per body and step, one thread; %g of volume per body, motion %g, "
            "margin %g "
            "of mean edge\n",
            room, stride, margin);
-    printf("# step = move + pairs; brute and sweep list the pairs of the same step, unsorted\n");
-    printf("%8s %6s %9s %9s %9s %9s %9s %9s\n", "bodies", "pairs", "step", "move", "list", "add",
-           "brute", "sweep");
+    printf(
+        "# step = move + list, sorted; brute and sweep list the pairs of the same step, unsorted; "
+        "%s: its step\n",
+        other != NULL ? other->name : "peer");
+    printf("%8s %6s %9s %9s %9s %9s %9s %9s %9s\n", "bodies", "pairs", "step", "move", "list",
+           "add", "brute", "sweep", other != NULL ? other->name : "peer");
     for (size_t count = 100; count <= limit; count *= 10) {
         const size_t steps = count < 100000 ? MOST_STEPS : count < 1000000 ? 11 : 5;
         const timing t = measure(count, steps);
@@ -288,6 +323,7 @@ int main(int argc, char **argv)
                t.pairs, t.add);
         print_other(t.brute);
         print_other(t.sweep);
+        print_other(t.peer);
         printf("\n");
         fflush(stdout);
     }

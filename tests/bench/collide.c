@@ -14,7 +14,6 @@
 
 #include <tribo/collide.h>
 
-#include <dlfcn.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,6 +22,7 @@
 
 #include "../support/pairs.h"
 #include "../support/problems.h"
+#include "peers/load.h"
 #include "peers/peer.h"
 
 enum { SEED = 20160604, PAIRS = 256, ROUNDS = 11, PEERS_AT_MOST = 8 };
@@ -428,52 +428,20 @@ static void bench_kinds(const pairs_class *class, int kind_a, int kind_b)
 
 /* ---- peers ---------------------------------------------------------------------------------- */
 
-/* Why a shared object is not there, as the build wrote it down beside. */
-static void print_skipped(const char *folder, const char *name)
-{
-    char path[4096];
-    char reason[256] = "it was not built; see make bench";
-    (void)snprintf(path, sizeof path, "%s/%s.skipped", folder, name);
-    FILE *file = fopen(path, "r");
-    if (file != NULL) {
-        if (fgets(reason, sizeof reason, file) != NULL) {
-            reason[strcspn(reason, "\n")] = '\0';
-        }
-        fclose(file);
-    }
-    printf("skipped: %s: %s\n", name, reason);
-}
-
-static void load_peer(const char *folder, const char *name)
-{
-    char path[4096];
-    int count = 0;
-    (void)snprintf(path, sizeof path, "%s/%s.so", folder, name);
-    void *object = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-    if (object == NULL) {
-        print_skipped(folder, name);
-        return;
-    }
-    peer_list_function list = NULL;
-    *(void **)&list = dlsym(object, PEER_LIST); /* as POSIX has it */
-    const peer *first = list != NULL ? list(&count) : NULL;
-    for (int i = 0; i < count && method_count < sizeof methods / sizeof methods[0]; i++) {
-        printf("peer: %s, in %s precision\n", first[i].name, first[i].single ? "single" : "double");
-        methods[method_count].name = first[i].name;
-        methods[method_count++].other = &first[i];
-    }
-}
-
-/* They lie beside the program. */
 static void load_peers(const char *program)
 {
     static const char *const names[] = {"ode", "bullet", "box3d"};
-    char folder[2048];
-    const char *slash = strrchr(program, '/');
-    (void)snprintf(folder, sizeof folder, "%.*speers",
-                   slash != NULL ? (int)(slash + 1 - program) : 0, program);
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
-        load_peer(folder, names[i]);
+        int count = 0;
+        peer_list_function list = NULL;
+        *(void **)&list = load_peer(program, names[i], PEER_LIST); /* as POSIX has it */
+        const peer *first = list != NULL ? list(&count) : NULL;
+        for (int k = 0; k < count && method_count < sizeof methods / sizeof methods[0]; k++) {
+            printf("peer: %s, in %s precision\n", first[k].name,
+                   first[k].single ? "single" : "double");
+            methods[method_count].name = first[k].name;
+            methods[method_count++].other = &first[k];
+        }
     }
 }
 

@@ -1,17 +1,21 @@
 // Bullet: the algorithm that its dispatcher chooses for a pair, with an empty manifold each time.
 // Once as it comes, with a collision margin of 0.04 around hulls and rounded edges, and once
-// without margins, so that its shapes are those that were meant.
+// without margins, so that its shapes are those that were meant. And its broad phase, the tree.
 #include "peer.h"
 
 #include <btBulletCollisionCommon.h>
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
 namespace
 {
 
-btDefaultCollisionConfiguration *configuration;
-btCollisionDispatcher *dispatcher;
+btDefaultCollisionConfiguration *const configuration = new btDefaultCollisionConfiguration;
+btCollisionDispatcher *const dispatcher = new btCollisionDispatcher(configuration);
 
 struct bullet_pair {
     btCollisionObject objects[2];
@@ -163,15 +167,82 @@ void ask_pair(void *data, peer_answer *out)
     }
 }
 
+// ---- the broad phase
+
+struct bullet_broad {
+    btDbvtBroadphase tree;
+    std::vector<btBroadphaseProxy *> proxies;
+};
+
+// Single precision rounds: outwards, so that no overlap is lost.
+btVector3 corner(const double *box, double side)
+{
+    btScalar c[3];
+    for (int k = 0; k < 3; k++) {
+        c[k] = btScalar(box[k]);
+        if (side * (double(c[k]) - box[k]) < 0.0) {
+            c[k] = std::nextafter(c[k], btScalar(side * 1e30));
+        }
+    }
+    return btVector3(c[0], c[1], c[2]);
+}
+
+void *make_broad(unsigned count, const double *boxes)
+{
+    bullet_broad *broad = new bullet_broad;
+    for (unsigned i = 0; i < count; i++) {
+        const double *box = boxes + 6 * i;
+        broad->proxies.push_back(broad->tree.createProxy(
+            corner(box, -1.0), corner(box + 3, 1.0), BOX_SHAPE_PROXYTYPE,
+            reinterpret_cast<void *>(std::uintptr_t(i)), 1, -1, dispatcher));
+    }
+    return broad;
+}
+
+bool overlap(const double *a, const double *b)
+{
+    return a[0] <= b[3] && b[0] <= a[3] && a[1] <= b[4] && b[1] <= a[4] && a[2] <= b[5] &&
+           b[2] <= a[5];
+}
+
+// Bullet keeps pairs whose enlarged boxes overlap, or did: they are judged by the boxes.
+unsigned long step_broad(void *data, const double *boxes)
+{
+    bullet_broad *broad = static_cast<bullet_broad *>(data);
+    unsigned long found = 0;
+    for (std::size_t i = 0; i < broad->proxies.size(); i++) {
+        const double *box = boxes + 6 * i;
+        broad->tree.setAabb(broad->proxies[i], corner(box, -1.0), corner(box + 3, 1.0), dispatcher);
+    }
+    broad->tree.calculateOverlappingPairs(dispatcher);
+    const btBroadphasePairArray &pairs =
+        broad->tree.getOverlappingPairCache()->getOverlappingPairArray();
+    for (int k = 0; k < pairs.size(); k++) {
+        const std::uintptr_t a = std::uintptr_t(pairs[k].m_pProxy0->m_clientObject);
+        const std::uintptr_t b = std::uintptr_t(pairs[k].m_pProxy1->m_clientObject);
+        found += overlap(boxes + 6 * a, boxes + 6 * b) ? 1 : 0;
+    }
+    return found;
+}
+
+void drop_broad(void *data)
+{
+    bullet_broad *broad = static_cast<bullet_broad *>(data);
+    for (btBroadphaseProxy *proxy : broad->proxies) {
+        broad->tree.destroyProxy(proxy, dispatcher);
+    }
+    delete broad;
+}
+
 } // namespace
+
+const peer_broad peer_broad_phase = {"Bullet", make_broad, step_broad, drop_broad};
 
 const peer *peer_list(int *count)
 {
     static const peer list[] = {
         {"Bullet", sizeof(btScalar) == 4, make_as_it_comes, ask_pair, drop_pair},
         {"Bullet, margin 0", sizeof(btScalar) == 4, make_without_margins, ask_pair, drop_pair}};
-    configuration = new btDefaultCollisionConfiguration;
-    dispatcher = new btCollisionDispatcher(configuration);
     *count = 2;
     return list;
 }

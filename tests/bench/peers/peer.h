@@ -47,14 +47,22 @@ typedef struct peer {
     void (*drop)(void *pair);
 } peer;
 
-/* The one symbol of a shared object. */
+/* A broad phase over boxes of six doubles: low, high. */
+typedef struct peer_broad {
+    const char *name;
+    void *(*make)(unsigned count, const double *boxes); /* by number */
+    /* A step: where all boxes are now. Returns how many pairs overlap, exactly as they are. */
+    unsigned long (*step)(void *broad, const double *boxes);
+    void (*drop)(void *broad);
+} peer_broad;
+
+/* The symbols of a shared object; the second is there if the library has a broad phase. */
 #define PEER_LIST "peer_list"
+#define PEER_BROAD "peer_broad_phase"
 typedef const peer *(*peer_list_function)(int *count);
-#if defined(__GNUC__)
-__attribute__((visibility("default")))
-#endif
-const peer *
-peer_list(int *count);
+#define PEER_EXPORT __attribute__((visibility("default")))
+PEER_EXPORT const peer *peer_list(int *count);
+PEER_EXPORT extern const peer_broad peer_broad_phase;
 
 #ifdef __cplusplus
 }
