@@ -222,7 +222,7 @@ $(TESTS): $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(SUPPORT_OBJECTS) $(FULL_STA
 	$(link) -lcmocka $(FULL_LIBS) -lm
 
 $(BENCHES): $(BUILD)/bench/%: $(BUILD)/obj/tests/bench/%.o $(SUPPORT_OBJECTS) $(FULL_STATIC) $(STATIC)
-	$(link) $(FULL_LIBS) -ldl -lm
+	$(link) $(BENCH_LIBS) $(FULL_LIBS) -ldl -lm
 
 $(RANDOMS): $(BUILD)/fuzz/%-random: $(BUILD)/obj/fuzz/%.o $(BUILD)/obj/fuzz/driver/random.o \
     $(FUZZ_OBJECTS) $(STATIC)
@@ -241,11 +241,18 @@ $(FULL_TARGETS): $(FULL_SUPPORT) $(FULL_STATIC)
 $(FULL_TARGETS): ROOM_LIBS := $(STATIC) $(FULL_LIBS)
 
 # The room of the program's readers is linked with them.
-READERS := $(patsubst %.c,$(BUILD)/obj/src/cli/%.o,cli.c collide.c condense.c dat.c fclib.c \
-    problem.c recorded.c table.c)
+PROBLEM := $(patsubst %,$(BUILD)/obj/src/cli/%.o,cli condense dat fclib problem recorded)
+READERS := $(PROBLEM) $(patsubst %,$(BUILD)/obj/src/cli/%.o,collide table)
 TABLE := $(BUILD)/fuzz/table $(BUILD)/fuzz/table-random $(BUILD)/fuzz/table-replay
 $(TABLE): $(READERS)
 $(TABLE): ROOM_LIBS += -lcsv $(HDF5_LIBS)
+
+# Siconos is optional: without it, its bench has tribo's own times alone.
+SICONOS := $(wildcard /usr/include/siconos/numerics)
+$(BUILD)/obj/tests/bench/siconos.o: FILE_FLAGS = $(if $(SICONOS),\
+    -DTRIBO_HAVE_SICONOS -isystem $(SICONOS) -isystem $(SICONOS)/..)
+$(BUILD)/bench/siconos: $(PROBLEM)
+$(BUILD)/bench/siconos: BENCH_LIBS = $(HDF5_LIBS) $(if $(SICONOS),-lsiconos_numerics)
 
 -include $(patsubst %.o,%.d,$(LIB_OBJECTS) $(FULL_OBJECTS) $(LANES_OBJECTS) $(APP_OBJECTS))
 
