@@ -203,72 +203,89 @@ static double natural_map(const double x[3], double scale, const double u[3], do
     return length3(projected);
 }
 
-/* The impulse that a coefficient fits: one inside mu_d's cone is judged by mu_d, one outside of it
- * by mu_s. */
-static double fitting(const double r[3], const double mu[2])
+/* v, p: the contact's scales. */
+static measured measure_with(double most, double mu, double v, double p, const double *r,
+                             const double *u)
 {
-    return mu[0] > mu[1] && planar_length(r[1], r[2]) > mu[1] * r[0] ? mu[0] : mu[1];
+    const double slip = planar_length(u[1], u[2]);
+    const double twist[3] = {slip * r[1] + mu * r[0] * u[1], slip * r[2] + mu * r[0] * u[2], 0.0};
+    measured out;
+
+    out.eta = natural_map(r, 1.0 / (most * greater(1.0, mu)), u, mu) / p;
+    out.signorini = absolute(lesser(u[0] / v, r[0] / p));
+    out.cone = greater(0.0, planar_length(r[1], r[2]) - mu * r[0]) / p;
+    out.misalignment = length3(twist) / (p * v);
+    return out;
 }
 
-/* Beyond mu_d's cone only sticking is allowed: the distance from it, or from the cone, whichever is
- * nearer. */
-static double forbidden(const double r[3], const double u[3], const double mu[2], double v,
-                        double p)
-{
-    const double beyond = planar_length(r[1], r[2]) - mu[1] * r[0];
-    return mu[0] > mu[1] && beyond > 0.0 ? lesser(beyond / p, planar_length(u[1], u[2]) / v) : 0.0;
-}
-
-/* v: the contact's scale of velocities. */
+/* Judged by mu_d, or by mu_s where that is nearer although the contact may not slide then. `fit`
+ * receives which. */
 static measured measure_contact(const system_problem *problem, size_t c, double v, const double *r,
-                                const double *u)
+                                const double *u, double *fit)
 {
     const double *mu = problem->mu + 2 * c;
     const double most = greatest_diagonal(problem->diagonal + 9 * c);
     const double p = v / most;
-    measured out = {0.0, 0.0, 0.0, 0.0};
+    const measured none = {0.0, 0.0, 0.0, 0.0};
 
+    *fit = mu[1];
     if (v == 0.0)
-        return out;
-    const double fit = fitting(r, mu);
-    const double slip = planar_length(u[1], u[2]);
-    const double twist[3] = {slip * r[1] + fit * r[0] * u[1], slip * r[2] + fit * r[0] * u[2], 0.0};
-    out.eta = natural_map(r, 1.0 / (most * greater(1.0, fit)), u, fit) / p;
-    out.eta = greater(out.eta, forbidden(r, u, mu, v, p));
-    out.signorini = absolute(lesser(u[0] / v, r[0] / p));
-    out.cone = greater(0.0, planar_length(r[1], r[2]) - mu[0] * r[0]) / p;
-    out.misalignment = fit > 0.0 ? length3(twist) / (p * v) : 0.0;
-    return out;
+        return none;
+    const measured dynamic = measure_with(most, mu[1], v, p, r, u);
+    if (mu[0] == mu[1])
+        return dynamic;
+    measured still = measure_with(most, mu[0], v, p, r, u);
+    still.eta = greater(still.eta, planar_length(u[1], u[2]) / v);
+    if (!(still.eta < dynamic.eta))
+        return dynamic;
+    *fit = mu[0];
+    return still;
 }
 
 /* ---- measures of a system -------------------------------------------------------------------- */
 
+/* The coefficient that a contact is judged by. */
+static double fit_of(const system_problem *problem, size_t c, const double *r, const double *u,
+                     const double *scratch)
+{
+    const double *mu = problem->mu + 2 * c;
+    double fit = mu[1];
+
+    if (mu[0] != mu[1])
+        measure_contact(problem, c, velocity_scale(problem, c, r, scratch), r + 3 * c, u + 3 * c,
+                        &fit);
+    return fit;
+}
+
+/* sum |sigma r - P_K(sigma r - u')|^2; scratch as sizes_of_bodies leaves it. */
 static double squared_map(const system_problem *problem, double sigma, const double *r,
-                          const double *u)
+                          const double *u, const double *scratch)
 {
     double sum = 0.0;
 
     for (size_t c = 0; c < problem->count; c++) {
         const double *own = r + 3 * c;
         const double scaled[3] = {sigma * own[0], sigma * own[1], sigma * own[2]};
-        const double map = natural_map(scaled, 1.0, u + 3 * c, fitting(own, problem->mu + 2 * c));
+        const double map = natural_map(scaled, 1.0, u + 3 * c, fit_of(problem, c, r, u, scratch));
         sum += map * map;
     }
     return sum;
 }
 
-static double greatest_eta(const system_problem *problem, const double *r, const double *u,
-                           double *scratch)
+/* Greatest eta over its tolerance, and eta V over its bound. */
+static double distance_by_eta(const system_problem *problem, const goal *wanted, const double *r,
+                              const double *u, double *scratch)
 {
     double most = 0.0;
+    double fit;
 
-    if (problem->bodies != 0)
-        sizes_of_bodies(problem, r, scratch);
     for (size_t c = 0; c < problem->count; c++) {
         const double v = velocity_scale(problem, c, r, scratch);
-        const double eta = measure_contact(problem, c, v, r + 3 * c, u + 3 * c).eta;
-        if (!(eta <= most))
-            most = eta;
+        const double eta = measure_contact(problem, c, v, r + 3 * c, u + 3 * c, &fit).eta;
+        const double distance =
+            greater(eta / wanted->tolerance, eta > 0.0 ? eta * v / wanted->residual : 0.0);
+        if (!(distance <= most))
+            most = distance;
     }
     return most;
 }
@@ -276,9 +293,11 @@ static double greatest_eta(const system_problem *problem, const double *r, const
 double certificate_distance(const system_problem *problem, const goal *wanted, const double *r,
                             const double *u, double *scratch)
 {
+    if (problem->bodies != 0)
+        sizes_of_bodies(problem, r, scratch);
     if (wanted->measure == TRIBO_MEASURE_ETA)
-        return greatest_eta(problem, r, u, scratch) / wanted->tolerance;
-    const double map = sqrt(squared_map(problem, wanted->sigma, r, u));
+        return distance_by_eta(problem, wanted, r, u, scratch);
+    const double map = sqrt(squared_map(problem, wanted->sigma, r, u, scratch));
     return map == 0.0 ? 0.0 : map / wanted->limit;
 }
 
@@ -308,13 +327,14 @@ void certificate_write(const system_problem *problem, const double *r, const dou
     const size_t numbers = 3 * (size_t)problem->count;
     const double q_size = length(numbers, problem->q);
     double squares = 0.0;
+    double fit;
 
     info->eta = info->signorini = info->cone = info->misalignment = 0.0;
     if (problem->bodies != 0)
         sizes_of_bodies(problem, r, scratch);
     for (size_t c = 0; c < problem->count; c++) {
         const double v = velocity_scale(problem, c, r, scratch);
-        const measured m = measure_contact(problem, c, v, r + 3 * c, u + 3 * c);
+        const measured m = measure_contact(problem, c, v, r + 3 * c, u + 3 * c, &fit);
         squares += m.eta * m.eta;
         info->eta = greater(info->eta, m.eta);
         info->signorini = greater(info->signorini, m.signorini);
@@ -322,9 +342,9 @@ void certificate_write(const system_problem *problem, const double *r, const dou
         info->misalignment = greater(info->misalignment, m.misalignment);
     }
     info->eta_rms = problem->count != 0 ? sqrt(squares / (double)problem->count) : 0.0;
-    const double map = sqrt(squared_map(problem, mean_diagonal(problem), r, u));
+    const double map = sqrt(squared_map(problem, mean_diagonal(problem), r, u, scratch));
     info->invariant = q_size > 0.0 ? map / q_size : 0.0;
-    const double unit = sqrt(squared_map(problem, 1.0, r, u));
+    const double unit = sqrt(squared_map(problem, 1.0, r, u, scratch));
     const double size = greater(q_size, greater(length(numbers, r), length(numbers, u)));
     info->siconos = size > TRIBO_EPS ? unit / size : unit;
 }
@@ -341,4 +361,18 @@ void certificate_energy(const system_problem *problem, const double *r, const do
             info->energy += 0.5 * own[k] * (before[k] + after[k]);
         info->energy_scale += 0.5 * length3(own) * (length3(before) + length3(after));
     }
+}
+
+double certificate_growth(const system_problem *problem, const double *r, double *scratch)
+{
+    double speed = 0.0;
+    double most = 0.0;
+
+    if (problem->bodies != 0)
+        sizes_of_bodies(problem, r, scratch);
+    for (size_t c = 0; c < problem->count; c++) {
+        speed = greater(speed, length3(problem->q + 3 * c));
+        most = greater(most, velocity_scale(problem, c, r, scratch));
+    }
+    return speed > 0.0 ? most / speed : 0.0;
 }

@@ -10,6 +10,8 @@ typedef struct goal {
     double tolerance; /* ETA: greatest eta of a contact */
     double sigma;     /* INVARIANT: velocity per impulse ... */
     double limit;     /* ... and greatest sqrt(sum |s r - P_K(s r - u')|^2), m/s */
+    double residual;  /* ETA: greatest eta V, m/s. Where no bounded impulses exist, eta falls with
+                         growing impulses, the residual does not */
 } goal;
 
 /* u = q + W r. Bodies form: also dv = M^-1 J^T r, 6 per body; the assembled form has none. */
@@ -18,6 +20,9 @@ void certificate_velocity(const system_problem *problem, const double *r, double
 /* The measure over the goal's bound: 1 or less is there. scratch: 6 per body, in the bodies form. */
 double certificate_distance(const system_problem *problem, const goal *wanted, const double *r,
                             const double *u, double *scratch);
+
+/* Greatest V of a contact over the greatest |q_c|: what impulses do to each other. */
+double certificate_growth(const system_problem *problem, const double *r, double *scratch);
 
 /* Write the measures of impulses to info; the rest of it is left as it is. */
 void certificate_write(const system_problem *problem, const double *r, const double *u,

@@ -18,6 +18,7 @@
 #define SHORT_SHARE 0.1
 #define SHORT_STEPS 3
 #define SYMMETRY 1e-12
+#define BETTER 0.999 /* distance that is worth taking other, perhaps far larger, impulses */
 #define PATIENCE 300 /* proximal steps without progress */
 
 enum { OPEN, SLIP, STICK };
@@ -25,6 +26,7 @@ enum { OPEN, SLIP, STICK };
 struct newton {
     const system_problem *problem;
     double alpha;
+    double unit; /* bodies: power of two near the greatest W_cc */
 
     double *r, *center, *u, *f;       /* where we are: 3 per contact */
     double *next_r, *next_u, *next_f; /* where a step would lead */
@@ -35,8 +37,8 @@ struct newton {
     double *slope, *own;              /* P E and A = g (1 - P) + alpha P E: 9 per contact */
     uint8_t *mode, *next_mode;
 
-    double *half;    /* bodies: J M^-1/2, 36 per contact */
-    double *root;    /* bodies: M^-1/2 of inertia, lower triangle, 6 per body */
+    double *half;    /* bodies: J (unit M)^-1/2, 36 per contact: unit W = half half^T */
+    double *root;    /* bodies: (unit M)^-1/2 of inertia, lower triangle, 6 per body */
     uint32_t *place; /* bodies: where the blocks aa, ab, ba, bb start; assembled: first row */
     uint32_t *starts, *neighbours; /* bodies: block rows */
 
@@ -403,9 +405,9 @@ static void root_of(const double j[6], double l[6])
 }
 
 /* One side of a contact: 3 x 6, rows n, t1, t2. */
-static void half_of(const system_problem *p, const double *root, size_t c, uint32_t side,
-                    double half[18])
+static void half_of(const newton *n, size_t c, uint32_t side, double half[18])
 {
+    const system_problem *p = n->problem;
     const uint32_t body = p->pairs[2 * c + side];
     const double sign = side == 0 ? 1.0 : -1.0;
 
@@ -413,8 +415,8 @@ static void half_of(const system_problem *p, const double *root, size_t c, uint3
         half[i] = 0.0;
     if (body == TRIBO_WORLD)
         return;
-    const double m = sign * sqrt(p->inverse_mass[body]);
-    const double *l = root + 6 * (size_t)body;
+    const double m = sign * sqrt(p->inverse_mass[body] / n->unit);
+    const double *l = n->root + 6 * (size_t)body;
     for (int k = 0; k < 3; k++) {
         const double *f = p->frames + 9 * c + 3 * (size_t)k;
         const double *t = p->turns + 18 * c + 9 * (size_t)side + 3 * (size_t)k;
@@ -514,11 +516,15 @@ static void prepare_bodies(newton *n, uint32_t dense)
 {
     const system_problem *p = n->problem;
 
-    for (size_t i = 0; i < p->bodies; i++)
-        root_of(p->inverse_inertia + 6 * i, n->root + 6 * i);
+    for (size_t i = 0; i < p->bodies; i++) {
+        double scaled[6];
+        for (size_t k = 0; k < 6; k++)
+            scaled[k] = p->inverse_inertia[6 * i + k] / n->unit;
+        root_of(scaled, n->root + 6 * i);
+    }
     for (size_t c = 0; c < p->count; c++) {
-        half_of(p, n->root, c, 0, n->half + 36 * c);
-        half_of(p, n->root, c, 1, n->half + 36 * c + 18);
+        half_of(n, c, 0, n->half + 36 * c);
+        half_of(n, c, 1, n->half + 36 * c + 18);
     }
     if (dense != 0)
         return;
@@ -632,7 +638,8 @@ static void clear_matrix(newton *n, uint32_t dense)
         n->x[i] = 0.0;
 }
 
-/* (1 + H^T D H) x = -H^T A^-1 F, H = J M^-1/2, D = A^-1 P E; then dr = -A^-1 F - D H x. */
+/* (1 + H^T D H) x = -H^T A^-1 F, H = J M^-1/2, D = A^-1 P E; then dr = -A^-1 F - D H x. Masses are
+ * divided by a power of two, so that the root of an odd one is the same for all: x / unit. */
 static int step_on_bodies(newton *n, newton_run *run)
 {
     const system_problem *p = n->problem;
@@ -653,15 +660,18 @@ static int step_on_bodies(newton *n, newton_run *run)
             d[i] = row[0] * column[0] + row[1] * column[3] + row[2] * column[6];
         }
         apply3(inverse, n->right + 3 * c, known);
-        for (int i = 0; i < 9; i++)
+        for (int i = 0; i < 9; i++) {
             n->slope[9 * c + (size_t)i] = d[i];
+            d[i] *= n->unit;
+        }
         if (n->mode[c] == OPEN && known[0] == 0.0 && known[1] == 0.0 && known[2] == 0.0)
             continue;
         for (uint32_t side = 0; side < 2; side++) {
             const uint32_t body = p->pairs[2 * c + side];
             for (uint32_t j = 0; j < 6 && body != TRIBO_WORLD; j++) {
                 const double *h = half + 18 * (size_t)side + j;
-                n->x[6 * body + j] -= h[0] * known[0] + h[6] * known[1] + h[12] * known[2];
+                n->x[6 * body + j] -=
+                    n->unit * (h[0] * known[0] + h[6] * known[1] + h[12] * known[2]);
             }
         }
         if (n->mode[c] != OPEN)
@@ -793,7 +803,7 @@ static double judge(newton *n, const goal *wanted, double *distance, double *lea
     const double f = map_all(n, n->next_r, n->next_u, n->next_f, n->next_mode);
     n->alpha = alpha;
     *distance = certificate_distance(n->problem, wanted, n->next_r, n->next_u, n->dv);
-    if (*distance < *least) {
+    if (*distance < BETTER * *least) {
         *least = *distance;
         copy(3 * count, n->next_r, n->best);
     }
@@ -841,6 +851,7 @@ static uint32_t is_symmetric(const system_problem *p)
 static double begin(newton *n, const system_problem *problem, const double *r)
 {
     double sum = 0.0;
+    double most = 0.0;
 
     n->problem = problem;
     n->symmetric_w = is_symmetric(problem);
@@ -853,7 +864,9 @@ static double begin(newton *n, const system_problem *problem, const double *r)
             squares += w[i] * w[i];
         n->gain[c] = sqrt(squares);
         sum += n->gain[c];
+        most = greater(most, n->gain[c]);
     }
+    n->unit = 1.0 / power_of_two(scale_exponent(most));
     certificate_velocity(problem, n->r, n->dv, n->u);
     return sum / (double)problem->count;
 }

@@ -7,6 +7,7 @@
 /* Sweeps that are tried before Newton, and the most that may still be missing by the rate seen. */
 #define FIRST_SWEEPS 8
 #define MOST_SWEEPS 64
+#define JAM_GROWTH 1e6
 /* Newton starts from what the sweeps gave if it is nearer than this share of the start. */
 #define WORTH_KEEPING 1e-3
 /* Sweeps of Gauss-Seidel that smooth what Newton left, where it stalled. */
@@ -98,12 +99,7 @@ static double sweep_until(solver *s, const system_problem *p, const double *free
 
 static double run_newton(solver *s, const system_problem *p, const goal *wanted, double *r)
 {
-    const uint64_t steps = s->run.steps;
-    const uint64_t most = s->run.most_steps;
-
-    s->run.most_steps = most > SIZE_MAX - steps ? SIZE_MAX : steps + most;
     const double distance = newton_solve(s->newton, p, wanted, &s->run, r);
-    s->run.most_steps = most;
     s->info->steps = s->run.steps;
     s->info->factorizations = s->run.factorizations;
     if (s->run.status != TRIBO_OK)
@@ -117,6 +113,20 @@ static void note_stop(solver *s, uint32_t stop)
         s->stop = stop;
 }
 
+/* Why the goal is missed. Impulses that work against each other a million times harder than on the
+ * approach, and leave a residual of its size, would grow for ever. */
+static uint32_t reason(solver *s, const system_problem *p, const goal *wanted, const double *r,
+                       int stalled)
+{
+    goal bare = *wanted;
+
+    bare.tolerance = 1e300;
+    if (certificate_growth(p, r, s->v) > JAM_GROWTH &&
+        (wanted->measure != TRIBO_MEASURE_ETA || distance_of(s, p, &bare, r) > 1.0))
+        return TRIBO_STOP_JAM;
+    return stalled ? TRIBO_STOP_STALL : TRIBO_STOP_ITERATIONS;
+}
+
 static void solve_fixed(solver *s, const system_problem *p, const double *free_velocity,
                         const goal *wanted, double *r)
 {
@@ -124,6 +134,9 @@ static void solve_fixed(solver *s, const system_problem *p, const double *free_v
     const uint32_t can = s->newton != NULL && newton_possible(p->count, p->bodies, &s->run);
     const uint32_t use_newton = asked != TRIBO_SOLVER_GAUSS_SEIDEL && can;
     uint64_t sweeps = 0;
+    const uint64_t done = s->run.steps;
+
+    s->run.most_steps = s->most > UINT64_MAX - done ? UINT64_MAX : done + s->most;
     const double first = distance_of(s, p, wanted, r);
     double distance = first;
 
@@ -132,13 +145,13 @@ static void solve_fixed(solver *s, const system_problem *p, const double *free_v
         distance = sweep_until(s, p, free_velocity, wanted, s->most,
                                use_newton ? (double)MOST_SWEEPS : 0.0, r, &sweeps);
     /* Few sweeps spoil the contacts of a stack at rest, which Newton finds at once from nothing. */
-    if (use_newton && distance > WORTH_KEEPING * first)
+    if (use_newton && distance > 1.0 && distance > WORTH_KEEPING * first)
         copy(3 * (size_t)p->count, s->start_r, r);
     for (int round = 0; distance > 1.0 && use_newton && round < 3; round++) {
         s->info->solver = TRIBO_SOLVER_NEWTON;
         distance = run_newton(s, p, wanted, r);
         if (!(distance > 1.0) || halt(s) != 0 || s->status != TRIBO_OK ||
-            asked == TRIBO_SOLVER_NEWTON || round == 2)
+            asked == TRIBO_SOLVER_NEWTON || round == 2 || s->run.steps >= s->run.most_steps)
             break;
         const uint64_t smooth = sweeps + SMOOTHING_SWEEPS;
         distance = sweep_until(s, p, free_velocity, wanted, smooth < s->most ? smooth : s->most,
@@ -147,8 +160,7 @@ static void solve_fixed(solver *s, const system_problem *p, const double *free_v
     if (sweeps > s->info->sweeps)
         s->info->sweeps = sweeps;
     if (distance > 1.0)
-        note_stop(s,
-                  use_newton && s->run.steps < s->most ? TRIBO_STOP_STALL : TRIBO_STOP_ITERATIONS);
+        note_stop(s, reason(s, p, wanted, r, use_newton && s->run.steps < s->run.most_steps));
 }
 
 /* ---- static and dynamic coefficients --------------------------------------------------------- */
@@ -183,6 +195,8 @@ void solver_solve(solver *s, const system_problem *problem, const double *free_v
     for (size_t c = 0; c < problem->count; c++)
         s->mu[2 * c] = s->mu[2 * c + 1] = problem->mu[2 * c];
     held.mu = s->mu;
+    s->run.halt = halt;
+    s->run.context = s;
     do {
         solve_fixed(s, &held, free_velocity, wanted, r);
         distance_of(s, problem, wanted, r);

@@ -10,6 +10,8 @@
 #define DEFAULT_ITERATIONS 1000000u
 #define DEFAULT_TOLERANCE 1e-10
 #define DEFAULT_DENSE 192u
+/* Greatest residual, of the greatest speed before: whatever the impulses are. */
+#define RESIDUAL_SHARE 0.1
 
 /* ---- options and info ------------------------------------------------------------------------ */
 
@@ -70,7 +72,8 @@ static void give_info(tribo_system_info *whole, tribo_system_info *info)
 /* The problem with contacts and bodies in the order of their components, and all that solves it. */
 typedef struct plan {
     uint32_t count, bodies, components;
-    size_t links; /* blocks of W, or twice the contacts */
+    uint32_t assembled; /* the form: 1 has no bodies */
+    size_t links;       /* blocks of W, or twice the contacts */
 
     uint32_t *parent;       /* union-find; later: component of a body or contact */
     uint32_t *order, *rank; /* contact of a place; place of a contact, later place in component */
@@ -98,7 +101,7 @@ static double *numbers(arena *a, size_t count)
 static void take_shared(plan *p, arena *a, const tribo_system_options *o)
 {
     const size_t n = p->count;
-    const size_t nodes = p->bodies != 0 ? p->bodies : n;
+    const size_t nodes = p->assembled != 0 ? n : p->bodies;
 
     p->parent = indices(a, nodes + 1);
     p->order = indices(a, n);
@@ -157,7 +160,7 @@ static void take_blocks(plan *p, arena *a)
 
 static tribo_status measure(plan *p, arena *a, const tribo_system_options *o, size_t *size)
 {
-    if (p->bodies != 0)
+    if (p->assembled == 0)
         take_bodies(p, a);
     else
         take_blocks(p, a);
@@ -232,9 +235,14 @@ static int is_movable(const tribo_body *body)
     return body->inverse_mass > 0.0 || j[0] > 0.0 || j[3] > 0.0 || j[5] > 0.0;
 }
 
+static int is_within(size_t body_count, const tribo_system_contact *c)
+{
+    return (c->a == TRIBO_WORLD || c->a < body_count) && (c->b == TRIBO_WORLD || c->b < body_count);
+}
+
 static tribo_status judge_contact(size_t body_count, const tribo_system_contact *c)
 {
-    if ((c->a != TRIBO_WORLD && c->a >= body_count) || (c->b != TRIBO_WORLD && c->b >= body_count))
+    if (!is_within(body_count, c))
         return TRIBO_ERROR_INDEX;
     if (c->a == c->b)
         return c->a == TRIBO_WORLD ? TRIBO_ERROR_IMMOVABLE : TRIBO_ERROR_ALIAS;
@@ -376,7 +384,7 @@ static system_problem whole_problem(const plan *p)
     system_problem out = {0};
 
     out.count = p->count;
-    out.bodies = p->bodies != 0 ? p->body_starts[p->components] : 0;
+    out.bodies = p->assembled == 0 ? p->body_starts[p->components] : 0;
     out.pairs = p->pairs;
     out.frames = p->frames;
     out.turns = p->turns;
@@ -403,7 +411,7 @@ static system_problem component_problem(const plan *p, uint32_t component)
     out.symmetric += first;
     out.q += 3 * first;
     out.mu += 2 * first;
-    if (p->bodies != 0) {
+    if (p->assembled == 0) {
         const size_t body = p->body_starts[component];
         out.bodies = p->body_starts[component + 1] - p->body_starts[component];
         out.pairs = p->local_pairs + 2 * first;
@@ -423,7 +431,7 @@ static system_problem component_problem(const plan *p, uint32_t component)
 
 static goal whole_goal(const plan *p, const tribo_system_options *o)
 {
-    goal out = {o->measure, o->tolerance, 0.0, 0.0};
+    goal out = {o->measure, o->tolerance, 0.0, 0.0, 0.0};
     double squares = 0.0;
 
     for (size_t c = 0; c < p->count; c++) {
@@ -434,6 +442,15 @@ static goal whole_goal(const plan *p, const tribo_system_options *o)
     }
     out.limit = o->tolerance * sqrt(squares);
     return out;
+}
+
+static double greatest_speed(const system_problem *problem)
+{
+    double most = 0.0;
+
+    for (size_t i = 0; i < 3 * (size_t)problem->count; i++)
+        most = greater(most, absolute(problem->q[i]));
+    return most;
 }
 
 static int separates(const system_problem *problem)
@@ -451,7 +468,7 @@ static void solve_component(plan *p, uint32_t component, const goal *whole)
     double *r = p->r + 3 * first;
     goal wanted = *whole;
 
-    if (p->bodies == 0) {
+    if (p->assembled != 0) {
         const uint32_t count = p->starts[component + 1] - p->starts[component];
         for (size_t i = 0; i <= count; i++)
             p->local_starts[i] = p->row_starts[first + i] - p->row_starts[first];
@@ -464,12 +481,13 @@ static void solve_component(plan *p, uint32_t component, const goal *whole)
             r[i] = p->plastic[3 * first + i] = 0.0;
         return;
     }
+    wanted.residual = RESIDUAL_SHARE * greatest_speed(&problem);
     wanted.limit *= sqrt((double)problem.count / (double)p->count);
     const double *velocity =
-        p->bodies != 0 ? p->free_velocity + 6 * (size_t)p->body_starts[component] : NULL;
+        p->assembled == 0 ? p->free_velocity + 6 * (size_t)p->body_starts[component] : NULL;
     solver_solve(&p->solver, &problem, velocity, &wanted, r);
     memcpy(p->plastic + 3 * first, r, 3 * (size_t)problem.count * sizeof *r);
-    if (p->bodies != 0) {
+    if (p->assembled == 0) {
         const double share = restitution_apply(&p->stage, &p->solver, &problem, velocity,
                                                p->restitution + first, &wanted, r);
         p->solver.info->restitution = lesser(p->solver.info->restitution, share);
@@ -551,12 +569,19 @@ tribo_status tribo_system_workspace_size(size_t body_count, size_t count,
 {
     tribo_system_options o;
     arena counting = {NULL, 0, 0};
+    size_t needed = 0;
     plan p;
 
     if (size == NULL || (count > 0 && contacts == NULL))
         return TRIBO_ERROR_NULL;
-    const tribo_status status = read_options(options, &o);
-    return status != TRIBO_OK ? status : plan_bodies(&p, &counting, body_count, count, &o, size);
+    tribo_status status = read_options(options, &o);
+    if (status == TRIBO_OK)
+        status = plan_bodies(&p, &counting, body_count, count, &o, &needed);
+    for (size_t i = 0; status == TRIBO_OK && i < count; i++)
+        status = is_within(body_count, &contacts[i]) ? TRIBO_OK : TRIBO_ERROR_INDEX;
+    if (status == TRIBO_OK)
+        *size = needed;
+    return status;
 }
 
 /* Change of a body's momentum about the origin: linear, angular; and their sizes. */
@@ -752,6 +777,7 @@ static tribo_status plan_blocks(plan *p, arena *a, size_t count, const uint32_t 
         return TRIBO_ERROR_CAPACITY;
     *p = none;
     p->count = (uint32_t)count;
+    p->assembled = 1;
     p->links = row_starts != NULL ? row_starts[count] : count * count;
     if (p->links > MOST_COUNT / 9)
         return TRIBO_ERROR_CAPACITY;
