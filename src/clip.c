@@ -60,11 +60,6 @@ static int take_support(const pair_query *query, int side, const double directio
     return 1;
 }
 
-static double extent(const double v[3])
-{
-    return absolute(v[0]) + absolute(v[1]) + absolute(v[2]);
-}
-
 int clip_distance(const pair_query *query, const double n[3], double *distance, double *rounding)
 {
     const double back[3] = {0.0 - n[0], 0.0 - n[1], 0.0 - n[2]};

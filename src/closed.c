@@ -23,11 +23,6 @@ static void column(const double r[9], int i, double out[3])
     out[2] = r[6 + i];
 }
 
-static double extent(const double v[3])
-{
-    return absolute(v[0]) + absolute(v[1]) + absolute(v[2]);
-}
-
 static double sign_of(double x)
 {
     return x < 0.0 ? -1.0 : 1.0;

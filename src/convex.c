@@ -26,6 +26,8 @@
 
 #include "rows.h"
 
+#include <tribo/math.h>
+
 #include <ccd/ccd.h>
 
 enum {
@@ -80,25 +82,6 @@ typedef struct search {
 
 /* ---- vectors --------------------------------------------------------------------------------- */
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double c[3])
-{
-    c[0] = a[1] * b[2] - a[2] * b[1];
-    c[1] = a[2] * b[0] - a[0] * b[2];
-    c[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static void subtract(const double a[3], const double b[3], double c[3])
-{
-    c[0] = a[0] - b[0];
-    c[1] = a[1] - b[1];
-    c[2] = a[2] - b[2];
-}
-
 static void copy(const double from[3], double to[3])
 {
     memcpy(to, from, 3 * sizeof *to);
@@ -106,13 +89,13 @@ static void copy(const double from[3], double to[3])
 
 static double length(const double v[3])
 {
-    return sqrt(dot(v, v));
+    return sqrt(tribo_vec3_dot(v, v));
 }
 
 /* u = v / |v|; 0 if v is zero or not finite. */
 static int unit(const double v[3], double u[3])
 {
-    const double square = dot(v, v);
+    const double square = tribo_vec3_dot(v, v);
     if (square > 1e-200 && square < 1e200) {
         const double inverse = 1.0 / sqrt(square);
         for (int i = 0; i < 3; i++) {
@@ -138,13 +121,6 @@ static void turn(const double n[3], const double t[3], double x, double out[3])
 {
     const double v[3] = {n[0] + x * t[0], n[1] + x * t[1], n[2] + x * t[2]};
     (void)unit(v, out);
-}
-
-static void rotate(const double r[9], const double v[3], double out[3])
-{
-    for (int i = 0; i < 3; i++) {
-        out[i] = r[3 * i] * v[0] + r[3 * i + 1] * v[1] + r[3 * i + 2] * v[2];
-    }
 }
 
 static void rotate_back(const double r[9], const double v[3], double sign, double out[3])
@@ -188,7 +164,7 @@ static int part(const tribo_shape *shape, const double r[9], const double center
     for (int i = 0; i < 3; i++) {
         point[i] = (point[i] - center[i]) * scale;
     }
-    rotate(r, point, out);
+    tribo_mat3_apply(r, point, out);
     return 1;
 }
 
@@ -207,12 +183,13 @@ static double support(search *s, const double n[3], double point[3])
     for (int i = 0; i < 3; i++) {
         point[i] = s->offset[i] + (b[i] - a[i]);
     }
-    const double width = dot(n, point);
+    const double width = tribo_vec3_dot(n, point);
     const double limit = (1.0 + 1e-6) * s->reach;
-    const int behind = !(dot(n, a) <= s->rounding) || !(dot(n, b) >= 0.0 - s->rounding);
+    const int behind =
+        !(tribo_vec3_dot(n, a) <= s->rounding) || !(tribo_vec3_dot(n, b) >= 0.0 - s->rounding);
     double across[3];
-    subtract(b, a, across);
-    if (behind || !(dot(across, across) <= limit * limit)) {
+    tribo_vec3_subtract(b, a, across);
+    if (behind || !(tribo_vec3_dot(across, across) <= limit * limit)) {
         s->fault = 1; /* the core lies beyond the farthest point, or that outside of the ball */
     }
     if (width < s->width) {
@@ -314,9 +291,9 @@ static void keep(simplex *x, int i, int j, int k, int count)
 static double on_segment(const double a[3], const double b[3])
 {
     double d[3];
-    subtract(b, a, d);
-    const double along = 0.0 - dot(a, d);
-    const double size = dot(d, d);
+    tribo_vec3_subtract(b, a, d);
+    const double along = 0.0 - tribo_vec3_dot(a, d);
+    const double size = tribo_vec3_dot(d, d);
     return along <= 0.0 || size <= 0.0 ? 0.0 : along >= size ? 1.0 : along / size;
 }
 
@@ -329,7 +306,7 @@ typedef struct nearest {
 
 static void offer(nearest *best, const double v[3], int i, int j, int k, int count)
 {
-    const double square = dot(v, v);
+    const double square = tribo_vec3_dot(v, v);
     if (square < best->square) {
         copy(v, best->v);
         best->square = square;
@@ -362,22 +339,22 @@ static void offer_triangle(nearest *best, double p[4][3], int i, int j, int k)
     double e[3][3];
     double n[3];
     double t[3];
-    subtract(p[j], p[i], e[0]);
-    subtract(p[k], p[j], e[1]);
-    subtract(p[i], p[k], e[2]);
-    cross(e[0], e[1], n);
-    const double area = dot(n, n);
+    tribo_vec3_subtract(p[j], p[i], e[0]);
+    tribo_vec3_subtract(p[k], p[j], e[1]);
+    tribo_vec3_subtract(p[i], p[k], e[2]);
+    tribo_vec3_cross(e[0], e[1], n);
+    const double area = tribo_vec3_dot(n, n);
     const int at[3] = {i, j, k};
     int inside = area > 0.0;
     for (int c = 0; c < 3; c++) {
-        cross(n, e[c], t); /* points inwards */
-        if (!(dot(t, p[at[c]]) <= 0.0)) {
+        tribo_vec3_cross(n, e[c], t); /* points inwards */
+        if (!(tribo_vec3_dot(t, p[at[c]]) <= 0.0)) {
             offer_segment(best, p, at[c], at[(c + 1) % 3]);
             inside = 0;
         }
     }
     if (inside) {
-        const double f = dot(n, p[i]) / area;
+        const double f = tribo_vec3_dot(n, p[i]) / area;
         const double v[3] = {f * n[0], f * n[1], f * n[2]};
         offer(best, v, i, j, k, 3);
     } else if (!(area > 0.0)) {
@@ -398,11 +375,11 @@ static int offer_tetrahedron(nearest *best, double p[4][3])
         double ac[3];
         double ad[3];
         double n[3];
-        subtract(p[at[1]], p[at[0]], ab);
-        subtract(p[at[2]], p[at[0]], ac);
-        subtract(p[at[3]], p[at[0]], ad);
-        cross(ab, ac, n);
-        if (!(dot(n, ad) * dot(n, p[at[0]]) < 0.0)) {
+        tribo_vec3_subtract(p[at[1]], p[at[0]], ab);
+        tribo_vec3_subtract(p[at[2]], p[at[0]], ac);
+        tribo_vec3_subtract(p[at[3]], p[at[0]], ad);
+        tribo_vec3_cross(ab, ac, n);
+        if (!(tribo_vec3_dot(n, ad) * tribo_vec3_dot(n, p[at[0]]) < 0.0)) {
             offer_triangle(best, p, at[0], at[1], at[2]);
             seen = 1;
         }
@@ -417,7 +394,7 @@ static int reduce(simplex *x, const double shift[3], double v[3])
     double p[4][3];
     nearest best = {{0.0, 0.0, 0.0}, HUGE_VAL, {0, 0, 0}, 0};
     for (int i = 0; i < x->count; i++) {
-        subtract(x->p[i], shift, p[i]);
+        tribo_vec3_subtract(x->p[i], shift, p[i]);
     }
     if (x->count == 1) {
         offer(&best, p[0], 0, 0, 0, 1);
@@ -451,7 +428,7 @@ static int contradicts(const search *s, const simplex *x, const double n[3], dou
 {
     int lie = 0;
     for (int i = 0; i < x->count; i++) {
-        lie |= !(dot(n, x->p[i]) <= width + SAME * s->reach);
+        lie |= !(tribo_vec3_dot(n, x->p[i]) <= width + SAME * s->reach);
     }
     return lie;
 }
@@ -475,7 +452,7 @@ static int approach(search *s, simplex *x, const double shift[3], double start)
             return 0;
         }
         const double width = support(s, n, p);
-        const double gap = dot(shift, n) - width; /* lower bound of the distance */
+        const double gap = tribo_vec3_dot(shift, n) - width; /* lower bound of the distance */
         s->fault |= contradicts(s, x, n, width);
         const double left = length(v) - gap;
         if (left <= greater(s->rounding, 0.05 * (gap - start)) || holds(x, p)) {
@@ -511,7 +488,7 @@ static void differentiate(search *s, place *at)
     basis_rows(at->n[0], at->n[1], at->n[2], f);
     for (int i = 0; i < 2; i++) {
         copy(f + 3 + 3 * i, at->across[i]);
-        at->slope[i] = dot(at->p, at->across[i]);
+        at->slope[i] = tribo_vec3_dot(at->p, at->across[i]);
     }
     const double slope = sqrt(at->slope[0] * at->slope[0] + at->slope[1] * at->slope[1]);
     const double delta = lesser(greater(0.01 * slope / s->small, 1e-6), 1e-3);
@@ -520,9 +497,9 @@ static void differentiate(search *s, place *at)
         double q[3];
         turn(at->n, at->across[i], delta, n);
         (void)support(s, n, q);
-        subtract(q, at->p, q);
-        column[i][0] = dot(q, at->across[0]) / delta;
-        column[i][1] = dot(q, at->across[1]) / delta;
+        tribo_vec3_subtract(q, at->p, q);
+        column[i][0] = tribo_vec3_dot(q, at->across[0]) / delta;
+        column[i][1] = tribo_vec3_dot(q, at->across[1]) / delta;
     }
     at->bend[0] = column[0][0] - at->width;
     at->bend[1] = 0.5 * (column[0][1] + column[1][0]);
@@ -647,10 +624,10 @@ static void set_facet(polytope *x, int at, int a, int b, int c)
     double ab[3];
     double ac[3];
     double n[3];
-    subtract(x->p[b], x->p[a], ab);
-    subtract(x->p[c], x->p[a], ac);
-    cross(ab, ac, n);
-    const double longest = sqrt(greater(dot(ab, ab), dot(ac, ac)));
+    tribo_vec3_subtract(x->p[b], x->p[a], ab);
+    tribo_vec3_subtract(x->p[c], x->p[a], ac);
+    tribo_vec3_cross(ab, ac, n);
+    const double longest = sqrt(greater(tribo_vec3_dot(ab, ab), tribo_vec3_dot(ac, ac)));
     f->v[0] = a;
     f->v[1] = b;
     f->v[2] = c;
@@ -658,7 +635,7 @@ static void set_facet(polytope *x, int at, int a, int b, int c)
     f->explored = 0;
     f->d = HUGE_VAL;
     if (f->state == FACET_KEPT && unit(n, f->n)) {
-        f->d = dot(f->n, x->p[a]);
+        f->d = tribo_vec3_dot(f->n, x->p[a]);
     }
 }
 
@@ -686,7 +663,8 @@ static int tear(polytope *x, int first, const double p[3], double tolerance, rim
         for (int i = 0; i < 3; i++) {
             facet *other = &x->f[f->next[i]];
             if (other->state == FACET_THIN ||
-                (other->state == FACET_KEPT && dot(other->n, p) > other->d - tolerance)) {
+                (other->state == FACET_KEPT &&
+                 tribo_vec3_dot(other->n, p) > other->d - tolerance)) {
                 other->state = FACET_SEEN;
                 stack[depth++] = f->next[i];
             }
@@ -761,7 +739,7 @@ static int grow_any(polytope *x, const double p[3], double tolerance)
     int first = -1;
     double most = tolerance;
     for (int i = 0; i < x->facets; i++) {
-        const double above = dot(x->f[i].n, p) - x->f[i].d;
+        const double above = tribo_vec3_dot(x->f[i].n, p) - x->f[i].d;
         if (x->f[i].state == FACET_KEPT && above > most) {
             most = above;
             first = i;
@@ -780,8 +758,8 @@ static double farther(search *s, const double v[3], const double p[3], double ou
         return 0.0;
     }
     const double back[3] = {0.0 - n[0], 0.0 - n[1], 0.0 - n[2]};
-    away[0] = support(s, n, far[0]) - dot(n, p);
-    away[1] = support(s, back, far[1]) + dot(n, p);
+    away[0] = support(s, n, far[0]) - tribo_vec3_dot(n, p);
+    away[1] = support(s, back, far[1]) + tribo_vec3_dot(n, p);
     const int which = away[1] > away[0] ? 1 : 0;
     copy(far[which], out);
     return away[which];
@@ -795,10 +773,11 @@ static int tetrahedron(search *s, polytope *x)
     double e[3][3];
     double n[3];
     for (int i = 0; i < 3; i++) {
-        subtract(x->p[i + 1], x->p[0], e[i]);
+        tribo_vec3_subtract(x->p[i + 1], x->p[0], e[i]);
     }
-    cross(e[0], e[1], n);
-    if (dot(n, e[2]) > 0.0) { /* corner is right for a fourth point below the first three */
+    tribo_vec3_cross(e[0], e[1], n);
+    if (tribo_vec3_dot(n, e[2]) >
+        0.0) { /* corner is right for a fourth point below the first three */
         copy(x->p[1], n);
         copy(x->p[2], x->p[1]);
         copy(n, x->p[2]);
@@ -823,11 +802,11 @@ static int wide_polytope(search *s, polytope *x)
     basis_rows(s->normal[0], s->normal[1], s->normal[2], f);
     (void)support(s, f, x->p[0]);
     (void)farther(s, f, x->p[0], x->p[1]);
-    subtract(x->p[1], x->p[0], e);
-    cross(e, f + 3, n);
+    tribo_vec3_subtract(x->p[1], x->p[0], e);
+    tribo_vec3_cross(e, f + 3, n);
     (void)farther(s, n, x->p[0], x->p[2]);
-    subtract(x->p[2], x->p[0], f);
-    cross(e, f, n);
+    tribo_vec3_subtract(x->p[2], x->p[0], f);
+    tribo_vec3_cross(e, f, n);
     return farther(s, n, x->p[0], x->p[3]) > 16.0 * s->rounding && tetrahedron(s, x);
 }
 
@@ -908,10 +887,10 @@ static void face_of(const search *s, const tribo_shape *shape, const double r[9]
         for (int c = 0; c < 3; c++) {
             points[3 * i + (uint32_t)c] = (points[3 * i + (uint32_t)c] - center[c]) * s->scale;
         }
-        rotate(r, points + 3 * i, face->p + 3 * i);
+        tribo_mat3_apply(r, points + 3 * i, face->p + 3 * i);
     }
     double world[3];
-    rotate(r, normal, world);
+    tribo_mat3_apply(r, normal, world);
     for (int i = 0; i < 3; i++) {
         face->normal[i] = sign * world[i];
     }
@@ -938,7 +917,7 @@ static int prefer(search *s, const double v[3])
 
 static uint32_t edge(const support_face *face, uint32_t i, double e[3])
 {
-    subtract(face->p + 3 * ((i + 1) % face->count), face->p + 3 * i, e);
+    tribo_vec3_subtract(face->p + 3 * ((i + 1) % face->count), face->p + 3 * i, e);
     return unit(e, e) ? 1 : 0;
 }
 
@@ -953,7 +932,7 @@ typedef struct crease {
 static void onto(const crease *k, const double v[3], double n[3])
 {
     double across[3];
-    const double along = dot(v, k->axis);
+    const double along = tribo_vec3_dot(v, k->axis);
     const double side = sqrt(1.0 - k->along * k->along);
     for (int i = 0; i < 3; i++) {
         across[i] = v[i] - along * k->axis[i];
@@ -982,7 +961,7 @@ static int crease_of(const search *s, const support_face *x, uint32_t i, double 
     } else {
         return 0;
     }
-    return absolute(dot(k->axis, s->normal) - k->along) <= most;
+    return absolute(tribo_vec3_dot(k->axis, s->normal) - k->along) <= most;
 }
 
 /* The crease of a face that is nearest to the axis; 0 if none is near. */
@@ -993,7 +972,7 @@ static int nearest_crease(const search *s, const support_face *x, crease *best)
     for (uint32_t i = 0; i < x->count && x->count > 1; i++) {
         crease k;
         if (crease_of(s, x, i, least, &k)) {
-            least = absolute(dot(k.axis, s->normal) - k.along);
+            least = absolute(tribo_vec3_dot(k.axis, s->normal) - k.along);
             *best = k;
             found = 1;
         }
@@ -1006,10 +985,10 @@ static int nearest_crease(const search *s, const support_face *x, crease *best)
 static int meeting(const search *s, const crease *k, const crease *l, double n[3])
 {
     double c[3];
-    cross(k->axis, l->axis, c);
-    const double cosine = dot(k->axis, l->axis);
-    const double square = dot(c, c);
-    const double facing = dot(c, s->normal);
+    tribo_vec3_cross(k->axis, l->axis, c);
+    const double cosine = tribo_vec3_dot(k->axis, l->axis);
+    const double square = tribo_vec3_dot(c, c);
+    const double facing = tribo_vec3_dot(c, s->normal);
     if (!(absolute(facing) > 1e-6)) {
         return 0;
     }
@@ -1107,7 +1086,7 @@ static int snap(search *s)
 /* The way along them. */
 static void tangent(const crease *k, const double n[3], double t[3])
 {
-    cross(k->axis, n, t);
+    tribo_vec3_cross(k->axis, n, t);
     (void)unit(t, t);
 }
 
@@ -1149,12 +1128,13 @@ static double along_ridge(search *s, const crease *k, double n[3])
         double m[3];
         double q[3];
         tangent(k, n, t);
-        const double slope = dot(p, t);
+        const double slope = tribo_vec3_dot(p, t);
         const double delta = lesser(greater(0.01 * absolute(slope) / s->small, 1e-6), 1e-3);
         turn_onto(k, n, t, delta, m);
         (void)support(s, m, q);
-        const double inward = (width - k->along * dot(p, k->axis)) / (1.0 - k->along * k->along);
-        const double bend = (dot(q, t) - slope) / delta - inward;
+        const double inward =
+            (width - k->along * tribo_vec3_dot(p, k->axis)) / (1.0 - k->along * k->along);
+        const double bend = (tribo_vec3_dot(q, t) - slope) / delta - inward;
         if (!(bend > 1e-6 * s->small) || absolute(slope) > 0.5 * bend) {
             if (!s->patient || !stride(s, k, t, slope, n, p, &width)) {
                 return 0.0;
@@ -1194,15 +1174,15 @@ static int ridge(search *s, const crease *k)
         return 0;
     }
     tangent(k, n, t);
-    cross(n, t, e);
+    tribo_vec3_cross(n, t, e);
     turn(n, e, tilt, m);
     const double width = support(s, m, right);
     turn(n, e, 0.0 - tilt, m);
     (void)support(s, m, left);
-    const double after = dot(right, e);
-    const double before = dot(left, e);
-    const double slip =
-        (dot(left, t) * after - dot(right, t) * before) / greater(after - before, s->rounding);
+    const double after = tribo_vec3_dot(right, e);
+    const double before = tribo_vec3_dot(left, e);
+    const double slip = (tribo_vec3_dot(left, t) * after - tribo_vec3_dot(right, t) * before) /
+                        greater(after - before, s->rounding);
     if (!(after > 0.0 && before < 0.0 && 0.5 * slip * slip <= bend * s->rounding &&
           width <= s->width + tilt * s->reach)) {
         return 0;
@@ -1245,8 +1225,8 @@ static void begin(search *s, const pair_query *pair)
     shape_core(pair->b, s->center_b, &inner[1], &outer[1]);
     s->pair = pair;
     s->scale = power_of_two(scale_exponent(lesser(outer[0], outer[1])));
-    rotate(pair->ra, s->center_a, a);
-    rotate(pair->rb, s->center_b, b);
+    tribo_mat3_apply(pair->ra, s->center_a, a);
+    tribo_mat3_apply(pair->rb, s->center_b, b);
     for (int i = 0; i < 3; i++) {
         s->offset[i] = (pair->offset[i] + (b[i] - a[i])) * s->scale;
     }
@@ -1312,12 +1292,12 @@ static int nearest_facet(const polytope *x)
 static int explains(const search *s, const double n[3], double width)
 {
     const basin *at = &s->lowest;
-    const double along = dot(n, at->n);
+    const double along = tribo_vec3_dot(n, at->n);
     if (!is_known(s) || !(along > SAME_WAY)) {
         return 0;
     }
-    const double x = dot(n, at->across[0]) / along;
-    const double y = dot(n, at->across[1]) / along;
+    const double x = tribo_vec3_dot(n, at->across[0]) / along;
+    const double y = tribo_vec3_dot(n, at->across[1]) / along;
     const double rise = 0.5 * (at->bend[0] * x * x + at->bend[2] * y * y) + at->bend[1] * x * y +
                         at->slope[y > 0.0 ? 0 : 1] * y;
     return absolute(width - at->width - rise) <= 0.25 * rise + 4.0 * s->rounding;
@@ -1327,9 +1307,9 @@ static int explains(const search *s, const double n[3], double width)
  * better followed to its end, and so is a kink of which nothing is known. */
 static int is_near(const search *s, const facet *f)
 {
-    const double share = !is_known(s)                        ? 0.9999999
-                         : dot(f->n, s->lowest.n) > SAME_WAY ? 0.995
-                                                             : 0.9999;
+    const double share = !is_known(s)                                   ? 0.9999999
+                         : tribo_vec3_dot(f->n, s->lowest.n) > SAME_WAY ? 0.995
+                                                                        : 0.9999;
     return !s->flat && f->d >= share * s->width;
 }
 

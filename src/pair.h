@@ -5,6 +5,8 @@
 
 #include <tribo/collide.h>
 
+#include "bits.h"
+
 /* World axes, origin at the position of A: far from the world's origin nothing is lost. */
 typedef struct pair_query {
     const tribo_shape *a;
@@ -56,6 +58,12 @@ static inline uint32_t pair_feature(uint32_t face, uint32_t kind, uint32_t index
 
 /* Distances that differ by less than this part of the lengths they were made from do not differ. */
 #define PAIR_ROUNDING 3.5527136788005009e-15 /* 16 * 2^-52 */
+
+/* A length of the size of a vector's, without a root. */
+TRIBO_ALWAYS_INLINE double extent(const double v[3])
+{
+    return absolute(v[0]) + absolute(v[1]) + absolute(v[2]);
+}
 
 /* shape.c: support point and face of a judged convex shape in its own axes. The first returns 0
  * where a user's function gave no finite point. */
