@@ -799,13 +799,15 @@ static void use_shape(property_trial *t, const tribo_shape *shape)
     double low[3];
     double high[3];
     uint32_t count;
-    make_direction(t, d);
     make_shape(t, "other", SHAPES_SIMPLE, &other);
     make_pose(t, "near", -10, 2, &near);
     (void)tribo_shape_check(shape);
     (void)weigh(shape, 1.0, &m);
-    (void)tribo_shape_support(shape, d, low);
-    (void)tribo_shape_face(shape, d, TRIBO_MAX_FACE, points, &count, low);
+    for (int i = 0; i < 12; i++) {
+        make_direction(t, d);
+        (void)tribo_shape_support(shape, d, low);
+        (void)tribo_shape_face(shape, d, TRIBO_MAX_FACE, points, &count, low);
+    }
     (void)tribo_shape_bounds(shape, &pose, low, high);
     (void)tribo_collide_shapes(shape, &pose, &other.shape, &near, NULL, SHAPES_TRIANGLES, manifolds,
                                &count, NULL);

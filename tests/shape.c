@@ -1429,6 +1429,16 @@ static void test_block_statuses(void **state)
     memcpy(moved + 8, hull, size);
     assert_int_equal(tribo_hull_check(moved + 8, size), TRIBO_OK);
     assert_int_equal(tribo_mesh_check(hull, size), TRIBO_ERROR_DATA);
+    double *vertices = (double *)(void *)((unsigned char *)hull + hull->vertices);
+    for (int i = 1; i < 50; i++) {
+        /* two signs, which are the highest bits of their words */
+        vertices[0] = -vertices[0];
+        vertices[i] = -vertices[i];
+        assert_int_equal(tribo_hull_check(hull, size), TRIBO_ERROR_DATA);
+        vertices[0] = -vertices[0];
+        vertices[i] = -vertices[i];
+    }
+    assert_int_equal(tribo_hull_check(hull, size), TRIBO_OK);
     free(moved);
     free(hull);
 }
@@ -1470,13 +1480,25 @@ static void test_broken_hull_blocks(void **state)
         hull->sum = sum;
     }
     assert_true(refused > size / 20);
-    uint32_t *loops = (uint32_t *)(void *)(bytes + hull->loops);
-    loops[7] = hull->vertex_count;
-    hull->sum = hull_sum(hull);
-    assert_int_equal(tribo_hull_check(hull, size), TRIBO_ERROR_DATA);
-    loops[7] = 0;
-    hull->sum = hull_sum(hull);
-    assert_int_equal(tribo_hull_check(hull, size), TRIBO_OK);
+    const struct {
+        uint64_t table;
+        uint32_t limit;
+    } words[] = {{hull->loops, hull->vertex_count},
+                 {hull->rings, hull->vertex_count},
+                 {hull->rings + 4, hull->face_count},
+                 {hull->seeds, hull->vertex_count},
+                 {hull->face_starts + 4, hull->side_count + 1},
+                 {hull->ring_starts + 4, hull->side_count + 1}};
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        uint32_t *word = (uint32_t *)(void *)(bytes + words[i].table);
+        const uint32_t before = *word;
+        *word = words[i].limit;
+        hull->sum = hull_sum(hull);
+        assert_int_equal(tribo_hull_check(hull, size), TRIBO_ERROR_DATA);
+        *word = before;
+        hull->sum = hull_sum(hull);
+        assert_int_equal(tribo_hull_check(hull, size), TRIBO_OK);
+    }
     free(hull);
 }
 
