@@ -34,6 +34,10 @@ static pairs_pair *pairs;
 static int planes; /* B is a half-space in all pairs */
 static size_t order[PAIRS];
 
+/* What is asked of tribo, close together as a scene has it: a pairs_pair is as large as caches. */
+static tribo_shape shapes[PAIRS][2];
+static tribo_pose poses[PAIRS][2];
+
 static double now(void)
 {
     struct timespec t;
@@ -71,6 +75,8 @@ static void draw_pairs(const pairs_class *class, int kind_a, int kind_b)
         if (planes) {
             flatten(&pairs[i]);
         }
+        memcpy(shapes[i], pairs[i].shape, sizeof shapes[i]);
+        memcpy(poses[i], pairs[i].pose, sizeof poses[i]);
         order[i] = i;
     }
 }
@@ -98,15 +104,14 @@ typedef void (*ask_function)(size_t i, peer_answer *out);
 
 static void ask_tribo(uint32_t method, size_t i, peer_answer *out)
 {
-    const pairs_pair *pair = &pairs[i];
     tribo_collide_options options = {0};
     tribo_manifold manifold;
     uint32_t count = 0;
     options.struct_size = sizeof options;
     options.method = method;
     const tribo_status status =
-        tribo_collide_shapes(&pair->shape[0], &pair->pose[0], &pair->shape[1], &pair->pose[1],
-                             &options, 1, &manifold, &count, NULL);
+        tribo_collide_shapes(&shapes[i][0], &poses[i][0], &shapes[i][1], &poses[i][1], &options, 1,
+                             &manifold, &count, NULL);
     out->points = status == TRIBO_ERROR_OPTION ? -1 : 0;
     if (status == TRIBO_OK && count == 1) {
         double deepest = manifold.points[0].distance;
@@ -232,9 +237,9 @@ static void prepare(method *m)
     m->able = 1;
     for (size_t i = 0; i < PAIRS && m->able; i++) {
         if (m->other != NULL) {
-            const peer_shape shapes[2] = {shape_for_peers(&pairs[i], 0),
-                                          shape_for_peers(&pairs[i], 1)};
-            m->made[i] = m->other->make(shapes);
+            const peer_shape both[2] = {shape_for_peers(&pairs[i], 0),
+                                        shape_for_peers(&pairs[i], 1)};
+            m->made[i] = m->other->make(both);
             m->able = m->made[i] != NULL;
         } else {
             peer_answer answer = {0};
