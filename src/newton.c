@@ -18,7 +18,7 @@
 #define SHORT_SHARE 0.1
 #define SHORT_STEPS 3
 #define SYMMETRY 1e-12
-#define BETTER 0.999 /* distance that is worth taking other, perhaps far larger, impulses */
+#define BETTER 0.9   /* distance that is worth taking other, perhaps far larger, impulses */
 #define PATIENCE 300 /* proximal steps without progress */
 
 enum { OPEN, SLIP, STICK };
@@ -803,7 +803,7 @@ static double judge(newton *n, const goal *wanted, double *distance, double *lea
     const double f = map_all(n, n->next_r, n->next_u, n->next_f, n->next_mode);
     n->alpha = alpha;
     *distance = certificate_distance(n->problem, wanted, n->next_r, n->next_u, n->dv);
-    if (*distance < BETTER * *least) {
+    if (*distance < BETTER * *least || (*distance <= 1.0 && *least > 1.0)) {
         *least = *distance;
         copy(3 * count, n->next_r, n->best);
     }

@@ -43,7 +43,8 @@ static tribo_status read_options(const tribo_system_options *given, tribo_system
     if (out->solver > TRIBO_SOLVER_NEWTON || out->measure > TRIBO_MEASURE_INVARIANT ||
         out->warm_start > 1 || out->isa > TRIBO_ISA_X86_64_V4 || out->reserved != 0)
         return TRIBO_ERROR_OPTION;
-    if (!(out->tolerance >= 0.0) || !(out->max_seconds >= 0.0))
+    if (!(out->tolerance >= 0.0) || !(out->max_seconds >= 0.0) ||
+        (out->max_seconds > 0.0 && out->clock == NULL))
         return TRIBO_ERROR_OPTION;
     out->struct_size = sizeof *out;
     out->max_iterations = out->max_iterations != 0 ? out->max_iterations : DEFAULT_ITERATIONS;

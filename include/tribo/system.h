@@ -101,7 +101,7 @@ typedef struct tribo_system_info {
     double angular;          /**< the same of angular momentum about the origin */
     double restitution;      /**< least share of the restitution stage that the energy allowed, 0 to
                                   1; 1 where there is none */
-    double seconds;          /**< by the clock in the options */
+    double seconds;          /**< by the clock in the options; 0 without one */
     uint64_t bytes;          /**< of the workspace that were used */
 } tribo_system_info;
 
@@ -145,14 +145,15 @@ typedef struct tribo_system_options {
                                    depends on it */
     uint64_t max_iterations; /**< of sweeps, and of Newton steps; 0: 1 000 000 */
     double tolerance;        /**< 0: 1e-10; else > 0 */
-    double max_seconds;      /**< 0: no limit. Looked at between sweeps and steps */
+    double max_seconds;      /**< 0: no limit; else > 0, and a clock. Looked at between sweeps and
+                                   steps */
     uint32_t dense_limit;    /**< most unknowns of a dense matrix; 0: 192. The workspace grows with
                                    its square */
     uint32_t reserved;       /**< 0 */
     const tribo_linear *linear;       /**< may be null */
     tribo_progress_function progress; /**< may be null */
     tribo_parallel_function parallel; /**< may be null: all in the caller's thread */
-    tribo_clock_function clock;       /**< may be null: processor time of the C library */
+    tribo_clock_function clock;       /**< may be null: no time is measured */
     void *user;                       /**< handed to progress, parallel and clock */
 } tribo_system_options;
 
