@@ -388,10 +388,15 @@ static uint64_t swapped_id(uint64_t id)
     return id << 32 | id >> 32;
 }
 
+/* Times a power of two; what underflows may differ. */
 static int same_vector(const double *x, const double *y, int exponent)
 {
-    return ldexp(x[0], exponent) == y[0] && ldexp(x[1], exponent) == y[1] &&
-           ldexp(x[2], exponent) == y[2];
+    for (int i = 0; i < 3; i++) {
+        if (!(fabs(ldexp(x[i], exponent) - y[i]) <= (exponent == 0 ? 0.0 : 0x1p-960))) {
+            return 0;
+        }
+    }
+    return 1;
 }
 
 static int is_mirror(const tribo_manifold *m, const tribo_manifold *n)
