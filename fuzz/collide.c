@@ -392,7 +392,7 @@ static uint64_t swapped_id(uint64_t id)
 static int same_vector(const double *x, const double *y, int exponent)
 {
     for (int i = 0; i < 3; i++) {
-        if (!(fabs(ldexp(x[i], exponent) - y[i]) <= (exponent == 0 ? 0.0 : 0x1p-960))) {
+        if (!(fabs(ldexp(x[i], exponent) - y[i]) <= 0x1p-960)) {
             return 0;
         }
     }
