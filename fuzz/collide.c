@@ -378,7 +378,7 @@ static void apart_has_witness(property_trial *t)
     REQUIRE_STATUS(t, out.status, TRIBO_OK);
     REQUIRE(t, out.count == 1);
     normal_of(&out.manifolds[0], n);
-    REQUIRE_AT_MOST(t, margin, gap_of(&first, n) + rounding_of(&first, &out.manifolds[0]));
+    REQUIRE_AT_MOST(t, wide(margin) - gap_of(&first, n), rounding_of(&first, &out.manifolds[0]));
 }
 
 /* ---- symmetries --------------------------------------------------------------------------- */
