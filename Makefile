@@ -212,11 +212,12 @@ link = mkdir -p $(@D) && echo "  LD      $@" && \
 $(BUILD)/tribo: $(CLI_OBJECTS) $(FULL_STATIC) $(STATIC)
 	$(link) -lcsv $(HDF5_LIBS) $(FULL_LIBS) -lm
 
-# Only the reader of FCLib's files includes libhdf5. Debian keeps the serial one of several apart.
+# Only the reader of FCLib's files includes libhdf5, and its fuzz target, which writes some. Debian
+# keeps the serial one of several apart.
 HDF5_SERIAL := $(wildcard /usr/include/hdf5/serial)
 HDF5_FLAGS ?= $(HDF5_SERIAL:%=-isystem %)
 HDF5_LIBS ?= $(if $(HDF5_SERIAL),-lhdf5_serial,-lhdf5)
-$(BUILD)/obj/src/cli/fclib.o: FILE_FLAGS = $(HDF5_FLAGS)
+$(BUILD)/obj/src/cli/fclib.o $(BUILD)/obj/fuzz/problem.o: FILE_FLAGS = $(HDF5_FLAGS)
 
 $(TESTS): $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(SUPPORT_OBJECTS) $(FULL_STATIC) $(STATIC)
 	$(link) -lcmocka $(FULL_LIBS) -lm
@@ -240,12 +241,15 @@ $(ENGINES): $(BUILD)/fuzz/%: $(BUILD)/obj/fuzz/%.o $(FUZZ_OBJECTS) $(STATIC)
 $(FULL_TARGETS): $(FULL_SUPPORT) $(FULL_STATIC)
 $(FULL_TARGETS): ROOM_LIBS := $(STATIC) $(FULL_LIBS)
 
-# The room of the program's readers is linked with them.
-PROBLEM := $(patsubst %,$(BUILD)/obj/src/cli/%.o,cli condense dat fclib problem recorded)
-READERS := $(PROBLEM) $(patsubst %,$(BUILD)/obj/src/cli/%.o,collide table)
+# The rooms of the program's readers are linked with them.
+READERS := $(patsubst %,$(BUILD)/obj/src/cli/%.o,cli collide table)
 TABLE := $(BUILD)/fuzz/table $(BUILD)/fuzz/table-random $(BUILD)/fuzz/table-replay
 $(TABLE): $(READERS)
-$(TABLE): ROOM_LIBS += -lcsv $(HDF5_LIBS)
+$(TABLE): ROOM_LIBS += -lcsv
+PROBLEM := $(patsubst %,$(BUILD)/obj/src/cli/%.o,cli condense dat fclib problem recorded)
+PROBLEMS := $(BUILD)/fuzz/problem $(BUILD)/fuzz/problem-random $(BUILD)/fuzz/problem-replay
+$(PROBLEMS): $(PROBLEM)
+$(PROBLEMS): ROOM_LIBS := $(HDF5_LIBS)
 
 # Siconos is optional: without it, its bench has tribo's own times alone.
 SICONOS := $(wildcard /usr/include/siconos/numerics)

@@ -1,100 +1,17 @@
-/* Properties of the readers of the program: src/cli/table.h (CSV), src/cli/problem.h and
- * src/cli/collide.h. */
-#define _GNU_SOURCE /* memfd_create: a file on disk would be thousands of times slower */
-
-#include <ctype.h>
+/* Properties of the readers of the program: src/cli/table.h (CSV) and src/cli/collide.h. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 #include "../src/cli/cli.h"
 #include "../src/cli/collide.h"
-#include "../src/cli/problem.h"
 #include "../src/cli/table.h"
+#include "support/channel.h"
 #include "support/make.h"
 
 enum { NAMES = 4, FIELDS = 7, ROWS = 5, TEXT = 8192 };
 
 static const char *const names[NAMES] = {"wnn", "un", "mu_s", "e"};
-
-/* ---- files and messages ------------------------------------------------------------------- */
-
-/* A file without a name, and standard error into another while a reader is at work. */
-typedef struct channel {
-    FILE *input;
-    FILE *messages;
-    char path[32];
-    char message[1024];
-    int kept_error;
-} channel;
-
-static channel *the_channel(void)
-{
-    static channel p;
-    if (p.input == NULL) {
-        p.input = fdopen(memfd_create("input", 0), "wb+");
-        p.messages = fdopen(memfd_create("messages", 0), "wb+");
-        if (p.input == NULL || p.messages == NULL) {
-            perror("memfd_create");
-            abort();
-        }
-        snprintf(p.path, sizeof p.path, "/dev/fd/%d", fileno(p.input));
-    }
-    return &p;
-}
-
-static channel *begin(const char *text, size_t length)
-{
-    channel *p = the_channel();
-    rewind(p->input);
-    rewind(p->messages);
-    if (ftruncate(fileno(p->input), 0) != 0 || ftruncate(fileno(p->messages), 0) != 0 ||
-        fwrite(text, 1, length, p->input) != length || fflush(p->input) != 0) {
-        perror("temporary file");
-        abort();
-    }
-    rewind(p->input);
-    fflush(stderr);
-    p->kept_error = dup(STDERR_FILENO);
-    dup2(fileno(p->messages), STDERR_FILENO);
-    return p;
-}
-
-static void end(channel *p)
-{
-    fflush(stderr);
-    dup2(p->kept_error, STDERR_FILENO);
-    close(p->kept_error);
-    rewind(p->messages);
-    const size_t length = fread(p->message, 1, sizeof p->message - 1, p->messages);
-    p->message[length] = '\0';
-}
-
-/* "tribo: FILE:LINE:COLUMN: text", one line of printable characters. */
-static int read_place(const channel *p, unsigned long *line, unsigned long *column)
-{
-    const char *text = p->message;
-    const size_t length = strlen(text);
-    const size_t prefix = strlen("tribo: ") + strlen(p->path) + 1;
-    char *rest;
-    if (length < prefix || memcmp(text, "tribo: ", 7) != 0 ||
-        memcmp(text + 7, p->path, strlen(p->path)) != 0 || text[prefix - 1] != ':') {
-        return 0;
-    }
-    for (size_t i = 0; i + 1 < length; i++) {
-        if (!isprint((unsigned char)text[i])) {
-            return 0;
-        }
-    }
-    *line = strtoul(text + prefix, &rest, 10);
-    if (*rest != ':') {
-        return 0;
-    }
-    *column = strtoul(rest + 1, &rest, 10);
-    return *rest == ':' && text[length - 1] == '\n';
-}
 
 /* ---- what is taken ------------------------------------------------------------------------ */
 
@@ -252,9 +169,9 @@ static void table_rows(property_trial *t)
     static taken all;
     make_table(t, &b);
     memset(&all, 0, sizeof all);
-    channel *p = begin(b.x.bytes, b.x.length);
+    channel *p = channel_begin(b.x.bytes, b.x.length);
     const int status = table_read(p->path, NAMES, names, take, &all);
-    end(p);
+    channel_end(p);
     REQUIRE(t, status == 0 && all.count == b.rows && p->message[0] == '\0');
     for (uint32_t row = 0; row < b.rows; row++) {
         REQUIRE(t, strcmp(all.rows[row].file, p->path) == 0);
@@ -263,9 +180,9 @@ static void table_rows(property_trial *t)
     ASSUME(t, b.rows > 0);
     memset(&all, 0, sizeof all);
     all.stop = 1 + make_choice(t, "stop", b.rows);
-    p = begin(b.x.bytes, b.x.length);
+    p = channel_begin(b.x.bytes, b.x.length);
     const int stopped = table_read(p->path, NAMES, names, take, &all);
-    end(p);
+    channel_end(p);
     REQUIRE(t, stopped == 77 && all.count == all.stop && p->message[0] == '\0');
 }
 
@@ -314,13 +231,13 @@ static void table_faults(property_trial *t)
     const uint32_t kind = put_fault(t, &b, &want[0], &want[1]);
     ASSUME(t, kind != 2 || b.width > 1);
     memset(&all, 0, sizeof all);
-    channel *p = begin(b.x.bytes, b.x.length);
+    channel *p = channel_begin(b.x.bytes, b.x.length);
     const int status = table_read(p->path, NAMES, names, take, &all);
-    end(p);
+    channel_end(p);
     const int whole = kind == 2 && want[1] > 0 && all.count == b.rows + 1;
     ASSUME(t, !whole); /* "too few" happened to be all fields */
     REQUIRE(t, status == CLI_BAD_INPUT && all.count == b.rows);
-    REQUIRE(t, read_place(p, &got[0], &got[1]));
+    REQUIRE(t, channel_place(p, &got[0], &got[1]));
     REQUIRE(t, got[0] == want[0] && got[1] == want[1]);
 }
 
@@ -340,11 +257,11 @@ static void table_header_faults(property_trial *t)
     b.asked[place_of] = make_choice(t, "twice", 2) == 1 ? (name + 1) % NAMES : NAMES;
     put_header(&b);
     memset(&all, 0, sizeof all);
-    channel *p = begin(b.x.bytes, b.x.length);
+    channel *p = channel_begin(b.x.bytes, b.x.length);
     const int status = table_read(p->path, NAMES, names, take, &all);
-    end(p);
+    channel_end(p);
     REQUIRE(t, status == CLI_BAD_INPUT && all.count == 0);
-    REQUIRE(t, read_place(p, &got[0], &got[1]) && got[0] == 1);
+    REQUIRE(t, channel_place(p, &got[0], &got[1]) && got[0] == 1);
 }
 
 /* ---- any bytes ---------------------------------------------------------------------------- */
@@ -356,7 +273,7 @@ static void require_place(property_trial *t, const channel *p, const char *bytes
     for (size_t i = 0; i < length; i++) {
         lines += bytes[i] == '\n';
     }
-    REQUIRE(t, read_place(p, &got[0], &got[1]));
+    REQUIRE(t, channel_place(p, &got[0], &got[1]));
     REQUIRE(t, got[0] >= 1 && got[0] <= lines && got[1] >= 1 && got[1] <= length + 1);
 }
 
@@ -378,79 +295,15 @@ static void table_bytes(property_trial *t)
     const int header = make_choice(t, "header", 2) == 1;
     const size_t length = make_bytes(t, header ? "un,wnn,other,e,mu_s\n" : "", bytes);
     memset(&all, 0, sizeof all);
-    channel *p = begin(bytes, length);
+    channel *p = channel_begin(bytes, length);
     const int status = table_read(p->path, NAMES, names, take, &all);
-    end(p);
+    channel_end(p);
     if (status == 0) {
         REQUIRE(t, p->message[0] == '\0');
         return;
     }
     REQUIRE(t, status == CLI_BAD_INPUT);
     require_place(t, p, bytes, length);
-}
-
-/* ---- problems of one contact -------------------------------------------------------------- */
-
-static int written_once(const char *message)
-{
-    const char *end_of_line = strchr(message, '\n');
-    return end_of_line != NULL && end_of_line[1] == '\0' && memcmp(message, "tribo: ", 7) == 0;
-}
-
-/* W, q and mu as Siconos writes them. */
-static void problem_dense(property_trial *t)
-{
-    double w[9];
-    double q[3];
-    text x = {.line = 1, .column = 1};
-    char number[64];
-    make_matrix(t, "w", w);
-    for (int i = 0; i < 9; i++) {
-        w[i] = make_real(t, NULL, -20, 20);
-    }
-    make_vector(t, "q", -20, 20, q);
-    const double mu = make_friction(t, "mu");
-    put(&x, "3\n1\n\n0\n3\n3\n\n3\t3\n");
-    for (int i = 0; i < 9; i++) {
-        /* by columns */
-        snprintf(number, sizeof number, "%.17e%s", w[3 * (i % 3) + i / 3],
-                 i % 3 == 2 ? "\n" : "\t");
-        put(&x, number);
-    }
-    for (int i = 0; i < 3; i++) {
-        snprintf(number, sizeof number, "%.17e\t", q[i]);
-        put(&x, number);
-    }
-    snprintf(number, sizeof number, "\n%.17e\n", mu);
-    put(&x, number);
-    problem got;
-    channel *p = begin(x.bytes, x.length);
-    const int status = problem_read(p->path, &got);
-    end(p);
-    int same = status == 0 && p->message[0] == '\0' && got.count == 1 && got.row_starts[0] == 0 &&
-               got.row_starts[1] == 1 && got.columns[0] == 0 && same_numbers(got.q, q, 3) &&
-               got.mu[0] == mu && got.mu[1] == mu;
-    for (int i = 0; i < 9 && same; i++) {
-        same = got.blocks[i] == w[i]; /* but for the sign of a zero, which is not kept */
-    }
-    problem_free(&got);
-    REQUIRE(t, same);
-}
-
-static void problem_bytes(property_trial *t)
-{
-    static char bytes[TEXT + 1];
-    static const char *const starts[4] = {"", "3\n1\n0\n3 3 3 3\n1 0 0 0 1 0 0 0 1\n",
-                                          "3\n1\n1\n1\n3\n3\n1\n", "3\n1\n2\n"};
-    problem got;
-    const uint32_t start = make_choice(t, "start", 4);
-    (void)make_choice(t, "global", 2); /* of files that are in the corpus */
-    const size_t length = make_bytes(t, starts[start], bytes);
-    channel *p = begin(bytes, length);
-    const int status = problem_read(p->path, &got);
-    end(p);
-    problem_free(&got);
-    REQUIRE(t, status == 0 ? p->message[0] == '\0' : written_once(p->message));
 }
 
 /* ---- pairs of shapes ---------------------------------------------------------------------- */
@@ -601,9 +454,9 @@ static int take_pair(void *user, const collide_pair *pair)
 
 static int read_pairs(const text *x, pairs_taken *all)
 {
-    channel *p = begin(x->bytes, x->length);
+    channel *p = channel_begin(x->bytes, x->length);
     const int status = collide_read(p->path, take_pair, all);
-    end(p);
+    channel_end(p);
     return status;
 }
 
@@ -613,11 +466,11 @@ static void collide_rows(property_trial *t)
     static pair_text b;
     make_pairs(t, &b);
     pairs_taken all = {.want = &b};
-    REQUIRE(t, read_pairs(&b.x, &all) == 0 && the_channel()->message[0] == '\0');
+    REQUIRE(t, read_pairs(&b.x, &all) == 0 && channel_get()->message[0] == '\0');
     REQUIRE(t, all.count == b.count && all.different == 0);
     ASSUME(t, b.count > 0);
     pairs_taken stopped = {.want = &b, .stop = 1 + make_choice(t, "stop", b.count)};
-    REQUIRE(t, read_pairs(&b.x, &stopped) == 77 && the_channel()->message[0] == '\0');
+    REQUIRE(t, read_pairs(&b.x, &stopped) == 77 && channel_get()->message[0] == '\0');
     REQUIRE(t, stopped.count == stopped.stop);
 }
 
@@ -664,7 +517,7 @@ static void collide_faults(property_trial *t)
     pairs_taken all = {.want = &b};
     REQUIRE(t, read_pairs(&b.x, &all) == CLI_BAD_INPUT);
     REQUIRE(t, all.count == b.count && all.different == 0);
-    REQUIRE(t, read_place(the_channel(), &got[0], &got[1]));
+    REQUIRE(t, channel_place(channel_get(), &got[0], &got[1]));
     REQUIRE(t, got[0] == bad.line && got[1] == column);
 }
 
@@ -676,9 +529,9 @@ static void collide_bytes(property_trial *t)
     const uint32_t start = make_choice(t, "start", 4);
     const size_t length = make_bytes(t, starts[start], bytes);
     pairs_taken all = {.want = NULL};
-    channel *p = begin(bytes, length);
+    channel *p = channel_begin(bytes, length);
     const int status = collide_read(p->path, take_pair, &all);
-    end(p);
+    channel_end(p);
     if (status == 0) {
         REQUIRE(t, p->message[0] == '\0');
         return;
@@ -693,8 +546,6 @@ const property property_list[] = {
     {"table_faults", table_faults, 1},
     {"table_header_faults", table_header_faults, 1},
     {"table_bytes", table_bytes, 1},
-    {"problem_dense", problem_dense, 1},
-    {"problem_bytes", problem_bytes, 1},
     {"collide_rows", collide_rows, 1},
     {"collide_faults", collide_faults, 1},
     {"collide_bytes", collide_bytes, 1},

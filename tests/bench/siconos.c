@@ -529,7 +529,7 @@ static void plot_profile(const char *folder, const record *records, size_t count
         const int last = curve == CURVES - 1;
         fprintf(gnuplot,
                 "%s $curve%d using 1:2 with steps linewidth %d linecolor '%s' dashtype %d"
-                " title '%s'%s",
+                " title '%s' noenhanced%s",
                 curve == 0 ? "plot" : "", curve, curve == 0 ? 4 : 2, colours[last ? 4 : curve],
                 last ? 2 : 1, name_of(curve), last ? "\n" : ",");
     }
