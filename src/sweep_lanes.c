@@ -373,8 +373,28 @@ STAGE double change_lanes(const sweep_three *restrict g, lane_row *restrict d)
     return greatest;
 }
 
-/* Blocks under way at once: where one waits for a division, the next goes on. */
-enum { UNDER_WAY = 2 };
+/* Blocks under way at once: where one waits for a division, the next goes on. From FAR blocks on,
+ * they are likely not to be near. */
+enum { UNDER_WAY = 2, FAR = 256 };
+
+/* Ask for the blocks after the next ones: what foresees accesses stops at each page. */
+TRIBO_ALWAYS_INLINE void fetch(const sweep_three *blocks, uint32_t count)
+{
+#if defined(__GNUC__)
+    const char *line = (const char *)blocks;
+    for (size_t at = 0; at < count * sizeof *blocks; at += 64) {
+        __builtin_prefetch(line + at, 0);
+    }
+#else
+    (void)blocks;
+    (void)count;
+#endif
+}
+
+static uint32_t lesser_count(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
 
 typedef struct work {
     lane_ends a, b;
@@ -419,7 +439,11 @@ static double three(const system_problem *problem, sweep_three *blocks, uint32_t
 {
     double greatest = 0.0;
     for (uint32_t k = 0; k < count; k += UNDER_WAY) {
-        const uint32_t here = count - k < UNDER_WAY ? count - k : UNDER_WAY;
+        const uint32_t here = lesser_count(count - k, UNDER_WAY);
+        if (count >= FAR && count - k > 2 * UNDER_WAY) {
+            const uint32_t left = count - k - 2 * UNDER_WAY;
+            fetch(blocks + k + 2 * UNDER_WAY, lesser_count(left, UNDER_WAY));
+        }
         greatest = greater(sweep_some(problem, blocks + k, here, x, measure), greatest);
     }
     return greatest;
