@@ -682,24 +682,9 @@ bad_problem() # NAME TEXT MESSAGE
     printf "$2" >"$work/data/fc/$1.dat"
     TRIBO_DATA=$work/data expect 1 "tribo: $work/data/fc/$1.dat:$3" demo
 }
-check "problem: word for number" bad_problem Rover11035 '3\n1\n0\n3 3\n3 3\n2 0 zero' \
-    '6:5: not a finite number'
-check "problem: cut off" bad_problem Rover11035 '3\n1\n0\n3 3\n3 3\n2 0' \
-    '6:4: the file ends too early'
-check "problem: planar" bad_problem Rover11035 '2\n1\n' \
-    '1:1: the problem is not in space: dimension 3 is expected'
 check "problem: two contacts" bad_problem Rover11035 \
     "3 2 1 6 6 2 2 2 3 6 3 6 3 2 0 1 2 0 1 $(printf '%s 1 0 0 0 1 0 0 0 1 ' 0 1) 0 0 0 0 0 0 0 0" \
     ' 2 contacts instead of 1'
-check "problem: unknown storage" bad_problem Rover11035 '3\n1\n3\n' \
-    '3:1: not a whole number from 0 to 2'
-check "problem: sizes that differ" bad_problem Rover11035 '3\n1\n0\n3 3\n3 2\n' \
-    '5:3: the matrix gives its size twice, and differently'
-check "problem: block column out of range" bad_problem FrictionContact3D_RR_1c \
-    '3 1\n1 3 3\n1 1 1\n3\n3\n2 1\n0 1\n1\n' '8:1: not a whole number from 0 to 0'
-check "problem: singular M" bad_problem GFC3D_Example1 \
-    '3 1\n0 3 3 3 3 0 0 0 0 1 0 0 0 1\n0 3 3 3 3 1 0 0 0 1 0 0 0 1\n-1 0 0 0 0 0 0.5' \
-    ' M is singular, at unknown 0 or one that is connected with it (from 0)'
 missing_problem()
 {
     write_problems "$work/data"
@@ -862,6 +847,11 @@ check "recording: a billion blocks" bad_recording '3 1 1 3 3 1000000000 1 1 3 3 
 check "recording: blocks beyond the file" bad_recording \
     '3 1 1 3 3 1000000000 1 1 3 3 2 1000000000\n0 1000000000\n' \
     '3:1: the file ends too early: 1000000000 numbers were to follow'
+check "recording: unknown storage" bad_recording '3\n1\n3\n' '3:1: not a whole number from 0 to 2'
+check "recording: sizes that differ" bad_recording '3\n1\n0\n3 3\n3 2\n' \
+    '5:3: the matrix gives its size twice, and differently'
+check "recording: block column out of range" bad_recording \
+    '3 1\n1 3 3\n1 1 1\n3\n3\n2 1\n0 1\n1\n' '8:1: not a whole number from 0 to 0'
 check "recording: block columns that do not rise" bad_recording '3 1 1 3 3 1 1 1 0' \
     '1:17: not a whole number from 1 to 3'
 check "recording: a block with another's number" bad_recording \
