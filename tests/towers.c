@@ -16,6 +16,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include <cmocka.h>
 
@@ -26,11 +27,18 @@ static void *allocate(size_t size)
     return memory;
 }
 
+static double processor_time(void *user)
+{
+    (void)user;
+    return (double)clock() / (double)CLOCKS_PER_SEC;
+}
+
 static tribo_system_options defaults(void)
 {
     tribo_system_options options;
     memset(&options, 0, sizeof options);
     options.struct_size = sizeof options;
+    options.clock = processor_time;
     return options;
 }
 

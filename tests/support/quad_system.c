@@ -272,6 +272,15 @@ static size_t index_of(const motion *m, size_t contact, size_t side)
     return (size_t)(body_of(m, contact, side) - m->bodies);
 }
 
+/* Size of the inverse inertia: what a moment is multiplied by in world axes, where a slender body
+ * has rounding of its fast axis in all others. */
+static double stiffness(const tribo_body *body)
+{
+    const double *i = body->inverse_inertia;
+    return sqrt(i[0] * i[0] + i[3] * i[3] + i[5] * i[5] +
+                2.0 * (i[1] * i[1] + i[2] * i[2] + i[4] * i[4]));
+}
+
 /* Adds the impulse of a contact to its bodies. */
 static void add_impulse(motion *m, size_t contact, const quad_real r[3])
 {
@@ -288,7 +297,7 @@ static void add_impulse(motion *m, size_t contact, const quad_real r[3])
             m->change[6 * index + i] += change[i];
         }
         m->summed[2 * index] += (double)length(3, change);
-        m->summed[2 * index + 1] += (double)length(3, change + 3);
+        m->summed[2 * index + 1] += stiffness(body) * length3(arm) * (double)length(3, r);
         m->reach[index] = greater(m->reach[index], length3(arm));
     }
 }
@@ -462,6 +471,20 @@ static void spin_of(const tribo_body *body, const quad_real omega[3], quad_real 
     turn(body->orientation, 1, x, out);
 }
 
+/* Trace of the inertia, kg m^2: what an error of the angular velocity may be worth. */
+static double inertia_size(const tribo_body *body)
+{
+    double sum = 0.0;
+    for (size_t k = 0; k < 3; k++) {
+        quad_real axis[3] = {0, 0, 0};
+        quad_real spin[3];
+        axis[k] = 1;
+        spin_of(body, axis, spin);
+        sum += (double)spin[k];
+    }
+    return sum;
+}
+
 static int finite_momentum(const tribo_body *body)
 {
     return body->inverse_mass > 0.0;
@@ -475,10 +498,12 @@ static int is_held(const tribo_body *body)
     return moves(body) && !(all && finite_momentum(body));
 }
 
-/* The impulse of the world on the bodies, and its moment about the origin. */
+/* The impulse of the world on a body, and its moment about the origin; of a contact between two
+ * bodies, the moment of the gap between their points. */
 static void add_world(const motion *m, size_t c, const quad_real r[3], quad_real linear[3],
-                      quad_real angular[3])
+                      quad_real angular[3], quad_real gap[3])
 {
+    const int lone = body_of(m, c, 0) == NULL || body_of(m, c, 1) == NULL;
     quad_real axes[9];
     quad_real p[3];
     quad_widen(9, m->frames + 9 * c, axes);
@@ -487,6 +512,7 @@ static void add_world(const motion *m, size_t c, const quad_real r[3], quad_real
     }
     for (size_t side = 0; side < 2; side++) {
         const tribo_body *body = body_of(m, c, side);
+        quad_real *sum = lone ? angular : gap;
         quad_real point[3];
         quad_real moment[3];
         if (body == NULL || !finite_momentum(body)) {
@@ -498,18 +524,18 @@ static void add_world(const motion *m, size_t c, const quad_real r[3], quad_real
         cross(point, p, moment);
         for (size_t i = 0; i < 3; i++) {
             linear[i] += side == 0 ? p[i] : -p[i];
-            angular[i] += side == 0 ? moment[i] : -moment[i];
+            sum[i] += side == 0 ? moment[i] : -moment[i];
         }
     }
 }
 
-/* Momentum that the velocities given gained, less what the impulses brought in. Impulses between
- * two bodies cancel in the sum, but for their points where these are apart. */
+/* Momentum that the velocities given gained, less what the impulses of the world brought in. */
 static void check_momentum(const motion *m, const double *impulses, const double *velocities,
                            quad_certificate *out)
 {
     quad_real linear[3] = {0, 0, 0};
     quad_real angular[3] = {0, 0, 0};
+    quad_real gap[3] = {0, 0, 0};
     double linear_scale = 0.0;
     double linear_sum = 0.0;
     double angular_scale = 0.0;
@@ -518,7 +544,7 @@ static void check_momentum(const motion *m, const double *impulses, const double
     for (size_t c = 0; c < m->count; c++) {
         quad_real r[3];
         quad_widen(3, impulses + 3 * c, r);
-        add_world(m, c, r, linear, angular);
+        add_world(m, c, r, linear, angular, gap);
     }
     for (size_t b = 0; b < m->body_count; b++) {
         const tribo_body *body = &m->bodies[b];
@@ -546,13 +572,11 @@ static void check_momentum(const motion *m, const double *impulses, const double
         const double m_dv = (double)(mass * length(3, change));
         const double m_v = (double)mass * (length3(body->velocity) + m->summed[2 * b]);
         const double distance = length3(body->position);
-        double size = (double)length(3, spin);
-        const double turn = (double)length(3, change + 3);
         linear_scale += m_dv;
         linear_sum += m_v;
-        angular_scale += distance * m_dv + size;
-        size *= turn > 0.0 ? (length3(body->angular_velocity) + m->summed[2 * b + 1]) / turn : 1.0;
-        angular_sum += distance * m_v + size;
+        const double rate = length3(body->angular_velocity) + m->summed[2 * b + 1];
+        angular_scale += distance * m_dv + (double)length(3, spin);
+        angular_sum += distance * m_v + inertia_size(body) * rate;
     }
     if (linear_scale > 0.0) {
         out->linear = (double)(length(3, linear)) / linear_scale;
@@ -560,6 +584,7 @@ static void check_momentum(const motion *m, const double *impulses, const double
     }
     if (angular_scale > 0.0) {
         out->angular = (double)(length(3, angular)) / angular_scale;
+        out->gap = (double)(length(3, gap)) / angular_scale;
         out->angular_noise = held > 0 ? HUGE_VAL : EPS * angular_sum / angular_scale;
     }
 }
@@ -612,12 +637,9 @@ static void check_energy(const motion *m, const double *velocities, quad_certifi
         const double linear = length3(body->velocity) + m->summed[2 * b];
         const double angular = length3(body->angular_velocity) + m->summed[2 * b + 1];
         const double mass = finite_momentum(body) ? 1.0 / body->inverse_mass : 0.0;
-        const double rate = (double)length(3, change + 3);
         sum += part[0] + part[1];
         out->kinetic_noise += EPS * mass * linear * linear;
-        if (rate > 0.0) {
-            out->kinetic_noise += EPS * (double)length(3, spin) / rate * angular * angular;
-        }
+        out->kinetic_noise += EPS * inertia_size(body) * angular * angular;
     }
     out->kinetic = (double)sum;
 }

@@ -20,12 +20,13 @@ typedef struct quad_certificate {
     double siconos;
     double energy;
     double energy_scale;
-    double linear;        /**< of the velocities given, not of those that the impulses give */
-    double angular;       /**< the same */
-    double velocity;      /**< greatest error of a velocity given: |v - v(r)|, linear or angular
+    double linear;   /**< of the velocities given, not of those that the impulses give */
+    double angular;  /**< the same */
+    double gap;      /**< angular that the gaps between the points of two bodies in contact make */
+    double velocity; /**< greatest error of a velocity given: |v - v(r)|, linear or angular
                                  times the longest arm of the body, over the velocities it is summed
                                  from */
-    double contact_noise; /**< rounding of eta and its kin */
+    double contact_noise;      /**< rounding of eta and its kin */
     double misalignment_noise; /**< of misalignment */
     double invariant_noise;    /**< of invariant */
     double siconos_noise;      /**< of siconos */
