@@ -721,7 +721,7 @@ void quad_certificate_of_blocks(size_t count, const uint32_t *row_starts, const 
         quad_widen(3, q + 3 * c, v->q);
         quad_widen(3, q + 3 * c, v->u);
         quad_widen(3, impulses + 3 * c, v->r);
-        double own[9];
+        double own[9] = {0};
         double size[3] = {0.0, 0.0, 0.0};
         for (size_t k = begin; k < end; k++) {
             const size_t d = row_starts != NULL ? columns[k] : k;
