@@ -334,7 +334,7 @@ static int judge(const char *file, int status, const arena *shared, recorded *ou
 {
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0 && shared->done)
         return copy_out(file, &shared->given, out);
-    if (WIFEXITED(status) && shared->message[0] != '\0')
+    if (shared->message[0] != '\0')
         return cli_error(CLI_BAD_INPUT, "%s: %s", file, shared->message);
     return cli_error(CLI_BAD_INPUT, "%s: it begins like an HDF5 file, but libhdf5 fails on it",
                      file);
