@@ -200,12 +200,17 @@ static row measure(const coupled *c, uint32_t isa, uint32_t threads, const doubl
     return out;
 }
 
-static double judge(const systems_scene *scene, const double *r)
+/* Greatest eta as text; none of very large systems, for it is summed in quadruple precision. */
+static void judge(const systems_scene *scene, const double *r, char out[16])
 {
     quad_certificate judged;
+    if (scene->count > JUDGED) {
+        memcpy(out, "-", 2);
+        return;
+    }
     quad_certificate_of_bodies(scene->body_count, scene->bodies, scene->count, scene->contacts, r,
                                NULL, &judged);
-    return judged.eta;
+    snprintf(out, 16, "%.1e", judged.eta);
 }
 
 /* Shares of contacts that are open, stick and slip. */
@@ -228,26 +233,26 @@ static void run_scene(const char *name, void (*make)(systems_scene *out, size_t 
     double shares[3];
     make(&scene, contacts);
     coupled_of_scene(&scene, &c);
-    const int judged = scene.count <= JUDGED;
+    char eta[2][16];
     double *r = allocate(3 * scene.count * sizeof *r);
     void *memory = allocate(sweep_size(c.problem.count, c.problem.bodies));
     sweep *s = sweep_prepare(&c.problem, TRIBO_ISA_BEST, memory);
     sweep_run(s, 10, r, NULL, NULL, NULL, 1);
     double *start = allocate(3 * scene.count * sizeof *start);
     memcpy(start, r, 3 * scene.count * sizeof *r);
-    const double eta_10 = judged ? judge(&scene, r) : (double)NAN;
+    judge(&scene, r, eta[0]);
     count_modes(&c, r, shares);
-    sweep_run(s, judged ? 90 : 0, r, NULL, NULL, NULL, 1);
-    const double eta_100 = judged ? judge(&scene, r) : (double)NAN;
+    sweep_run(s, scene.count > JUDGED ? 0 : 90, r, NULL, NULL, NULL, 1);
+    judge(&scene, r, eta[1]);
     free(memory);
     for (uint32_t isa = TRIBO_ISA_SCALAR; isa <= TRIBO_ISA_X86_64_V4; isa++) {
         for (uint32_t threads = 1; threads <= 2 && tribo_isa_available(isa); threads++) {
             const row measured = measure(&c, isa, threads, start);
-            printf("%-12s %8zu %9.0f  %3.0f %3.0f %3.0f  %-9s %u %7.1f %7.1f %8.1f  %8.1e %8.1e\n",
+            printf("%-12s %8zu %9.0f  %3.0f %3.0f %3.0f  %-9s %u %7.1f %7.1f %8.1f  %8s %8s\n",
                    name, scene.count,
                    (368.0 * (double)scene.count + 64.0 * (double)scene.body_count) / 1024.0,
                    shares[0], shares[1], shares[2], tribo_isa_name(isa), threads, measured.median,
-                   measured.least, measured.prepare, eta_10, eta_100);
+                   measured.least, measured.prepare, eta[0], eta[1]);
             fflush(stdout);
         }
     }
