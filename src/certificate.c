@@ -92,6 +92,50 @@ static void velocity_of_blocks(const system_problem *p, const double *r, double 
     }
 }
 
+void certificate_contact_velocity(const system_problem *p, size_t c, const double *dv, double u[3])
+{
+    const uint32_t *pair = p->pairs + 2 * c;
+
+    for (size_t k = 0; k < 3; k++)
+        u[k] = p->q[3 * c + k];
+    if (pair[0] != TRIBO_WORLD)
+        add_velocity(p->frames + 9 * c, p->turns + 18 * c, 1.0, dv + 6 * (size_t)pair[0], u);
+    if (pair[1] != TRIBO_WORLD)
+        add_velocity(p->frames + 9 * c, p->turns + 18 * c + 9, -1.0, dv + 6 * (size_t)pair[1], u);
+}
+
+void certificate_row_velocity(const system_problem *p, size_t c, const double *r, double u[3])
+{
+    for (size_t k = 0; k < 3; k++)
+        u[k] = p->q[3 * c + k];
+    for (size_t k = p->row_starts[c]; k < p->row_starts[c + 1]; k++) {
+        const double *w = p->blocks + 9 * k;
+        const double *x = r + 3 * (size_t)p->columns[k];
+        u[0] += w[0] * x[0] + w[1] * x[1] + w[2] * x[2];
+        u[1] += w[3] * x[0] + w[4] * x[1] + w[5] * x[2];
+        u[2] += w[6] * x[0] + w[7] * x[1] + w[8] * x[2];
+    }
+}
+
+void certificate_push(const system_problem *p, size_t c, const double change[3], double *dv)
+{
+    for (size_t side = 0; side < 2; side++) {
+        const uint32_t body = p->pairs[2 * c + side];
+        double sum[6] = {0.0};
+        if (body == TRIBO_WORLD)
+            continue;
+        add_impulse(p->frames + 9 * c, p->turns + 18 * c + 9 * side, side == 0 ? 1.0 : -1.0, change,
+                    sum);
+        const double *j = p->inverse_inertia + 6 * (size_t)body;
+        double *d = dv + 6 * (size_t)body;
+        for (int k = 0; k < 3; k++)
+            d[k] += p->inverse_mass[body] * sum[k];
+        d[3] += j[0] * sum[3] + j[1] * sum[4] + j[2] * sum[5];
+        d[4] += j[1] * sum[3] + j[3] * sum[4] + j[4] * sum[5];
+        d[5] += j[2] * sum[3] + j[4] * sum[4] + j[5] * sum[5];
+    }
+}
+
 void certificate_velocity(const system_problem *problem, const double *r, double *dv, double *u)
 {
     if (problem->bodies != 0)

@@ -17,6 +17,15 @@ typedef struct goal {
 /* u = q + W r. Bodies form: also dv = M^-1 J^T r, 6 per body; the assembled form has none. */
 void certificate_velocity(const system_problem *problem, const double *r, double *dv, double *u);
 
+/* u of one contact: of the change dv of velocities, or of r by its row of W. */
+void certificate_contact_velocity(const system_problem *problem, size_t c, const double *dv,
+                                  double u[3]);
+void certificate_row_velocity(const system_problem *problem, size_t c, const double *r,
+                              double u[3]);
+
+/* Add what a change of one contact's impulse does to dv. */
+void certificate_push(const system_problem *problem, size_t c, const double change[3], double *dv);
+
 /* The measure over the goal's bound: 1 or less is there. scratch: 6 per body, in the bodies form. */
 double certificate_distance(const system_problem *problem, const goal *wanted, const double *r,
                             const double *u, double *scratch);

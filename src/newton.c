@@ -17,6 +17,8 @@
 #define LEAST_LENGTH 1e-3 /* of a Newton step */
 #define SHORT_SHARE 0.1
 #define SHORT_STEPS 3
+#define LEAST_SWEEPS 8
+#define MOST_SWEEPS 64
 #define SYMMETRY 1e-12
 #define BETTER 0.9   /* distance that is worth taking other, perhaps far larger, impulses */
 #define PATIENCE 300 /* proximal steps without progress */
@@ -26,7 +28,8 @@ enum { OPEN, SLIP, STICK };
 struct newton {
     const system_problem *problem;
     double alpha;
-    double unit; /* bodies: power of two near the greatest W_cc */
+    uint32_t sweeps; /* of the next smoothing */
+    double unit;     /* bodies: power of two near the greatest W_cc */
 
     double *r, *center, *u, *f;       /* where we are: 3 per contact */
     double *next_r, *next_u, *next_f; /* where a step would lead */
@@ -740,6 +743,70 @@ static int step_once(newton *n, newton_run *run)
     return n->problem->bodies != 0 ? step_on_bodies(n, run) : step_on_blocks(n, run);
 }
 
+/* ---- sweeps over the proximal problem -------------------------------------------------------- */
+
+/* Velocity of contact c with the proximal term, without its own impulse: what its solve cancels. */
+static void velocity_alone(const newton *n, size_t c, const double w[9], double b[3])
+{
+    const system_problem *p = n->problem;
+    const double *r = n->r + 3 * c;
+
+    if (p->bodies != 0)
+        certificate_contact_velocity(p, c, n->dv, b);
+    else
+        certificate_row_velocity(p, c, n->r, b);
+    for (size_t k = 0; k < 3; k++)
+        b[k] -= w[3 * k] * r[0] + w[3 * k + 1] * r[1] + w[3 * k + 2] * r[2] -
+                n->alpha * (r[k] - n->center[3 * c + k]);
+}
+
+/* Exact solve of one contact of the proximal problem. */
+static void renew_contact(newton *n, size_t c)
+{
+    const system_problem *p = n->problem;
+    const double mu = coefficient(n, c);
+    double *r = n->r + 3 * c;
+    double w[9];
+    double b[3];
+    double next[3];
+    tribo_status status;
+
+    for (size_t i = 0; i < 9; i++)
+        w[i] = p->diagonal[9 * c + i] + (i % 4 == 0 ? n->alpha : 0.0);
+    velocity_alone(n, c, w, b);
+    if (p->symmetric[c] != 0) {
+        const double half[6] = {w[0], w[1], w[2], w[4], w[5], w[8]};
+        status = tribo_contact_solve(half, b, mu, mu, next, NULL);
+    } else {
+        status = tribo_contact_solve_general(w, b, mu, mu, next, NULL);
+    }
+    if (status != TRIBO_OK)
+        return;
+    if (p->bodies != 0) {
+        const double change[3] = {next[0] - r[0], next[1] - r[1], next[2] - r[2]};
+        certificate_push(p, c, change, n->dv);
+    }
+    for (int k = 0; k < 3; k++)
+        r[k] = next[k];
+}
+
+/* Gauss-Seidel on the proximal problem, twice as long each time. Returns |F|. */
+static double smooth(newton *n)
+{
+    const system_problem *p = n->problem;
+
+    for (size_t c = 0; c < p->count; c++)
+        cone_project(n->r + 3 * c, coefficient(n, c), n->r + 3 * c);
+    certificate_velocity(p, n->r, n->dv, n->u);
+    for (uint32_t i = 0; i < n->sweeps; i++) {
+        for (size_t c = 0; c < p->count; c++)
+            renew_contact(n, c);
+    }
+    n->sweeps = n->sweeps < MOST_SWEEPS ? 2 * n->sweeps : MOST_SWEEPS;
+    certificate_velocity(p, n->r, n->dv, n->u);
+    return map_all(n, n->r, n->u, n->f, n->mode);
+}
+
 /* Greatest of the last few |F|: what the next one is measured against. Letting F rise for a step or
  * two (Grippo, Lampariello & Lucidi, SIAM J. Numer. Anal. 23 (1986) 707) passes kinks sooner. */
 static double bound_of(const double *past, uint32_t steps)
@@ -762,8 +829,8 @@ static void move(newton *n)
     n->next_mode = held;
 }
 
-/* Newton on one proximal step until |F| <= enough. Returns 1 if it got there; 0 at once where steps
- * have become short, for a smaller proximal step gets on better. */
+/* Newton on one proximal step until |F| <= enough. Returns 1 if it got there. Where its steps have
+ * become short, sweeps find the contacts that slide or part. */
 static int solve_proximal(newton *n, double enough, newton_run *run, uint32_t *steps)
 {
     double f = map_all(n, n->r, n->u, n->f, n->mode);
@@ -783,8 +850,12 @@ static int solve_proximal(newton *n, double enough, newton_run *run, uint32_t *s
             return 0;
         move(n);
         short_steps = share < SHORT_SHARE ? short_steps + 1 : 0;
-        if (short_steps == SHORT_STEPS)
-            return 0;
+        if (short_steps == SHORT_STEPS) {
+            f = smooth(n);
+            short_steps = 0;
+            for (uint32_t i = 0; i < MEMORY; i++)
+                past[i] = f;
+        }
     }
     return f <= enough;
 }
@@ -878,6 +949,7 @@ static double adapt(newton *n, double size, int solved, uint32_t steps, double f
         n->alpha *= RISE;
         return SLOW_FALL;
     }
+    n->sweeps = n->sweeps > LEAST_SWEEPS ? n->sweeps / 2 : LEAST_SWEEPS;
     if (steps < QUICK)
         n->alpha = greater(n->alpha / (steps <= QUICKEST ? fall : SLOW_FALL), LEAST_ALPHA * size);
     return fall;
@@ -897,6 +969,7 @@ double newton_solve(newton *n, const system_problem *problem, const goal *wanted
     if (problem->bodies != 0)
         prepare_bodies(n, is_dense(6 * problem->bodies, run));
     n->alpha = FIRST_ALPHA * size;
+    n->sweeps = LEAST_SWEEPS;
     while (distance > 1.0 && idle < PATIENCE && run->steps < run->most_steps) {
         const double before = least;
         uint32_t steps;
