@@ -473,7 +473,12 @@ static double unrest(systems_scene *scene)
 {
     solution got;
     double greatest = 0.0;
-    solve_well(scene, &got);
+    tribo_system_options options = defaults();
+    /* chains of many joints turn a small residual into a large velocity */
+    options.measure = TRIBO_MEASURE_INVARIANT;
+    options.tolerance = 1e-12;
+    solve(scene, &options, NULL, &got);
+    assert_int_equal(got.info.stop, TRIBO_STOP_TOLERANCE);
     for (size_t i = 0; i < scene->body_count; i++) {
         greatest = fmax(greatest, size_of(got.velocities + 6 * i, 6) / SYSTEMS_FALL);
     }
@@ -1366,7 +1371,9 @@ static void test_best_iterate_is_returned(void **state)
         options.max_iterations = 1 + i / 6;
         options.solver = (uint32_t)(i % 3);
         solve(&scene, &options, start.impulses, &got);
-        assert_true(got.info.invariant <= start.info.invariant);
+        /* impulses may be put back into the cone, which is rounding */
+        const double bound = start.info.invariant * (1.0 + 1e-9) + 1e-14;
+        assert_true(got.info.invariant <= bound);
         release(&start);
         release(&got);
         systems_free(&scene);
