@@ -2,6 +2,9 @@
 
 #include "cone.h"
 
+/* What rounding may add to eta: huge impulses are not taken for what it happens to spare. */
+#define NOISE (8.0 * TRIBO_EPS)
+
 static double length3(const double x[3])
 {
     return sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
@@ -316,33 +319,40 @@ static double squared_map(const system_problem *problem, double sigma, const dou
     return sum;
 }
 
-/* Greatest eta over its tolerance, and eta V over its bound. */
-static double distance_by_eta(const system_problem *problem, const goal *wanted, const double *r,
-                              const double *u, double *scratch)
+/* Greatest eta over its tolerance, and greatest eta V. */
+static verdict judge_by_eta(const system_problem *problem, const goal *wanted, const double *r,
+                            const double *u, double *scratch)
 {
-    double most = 0.0;
+    verdict out = {0.0, 0.0};
     double fit;
 
     for (size_t c = 0; c < problem->count; c++) {
         const double v = velocity_scale(problem, c, r, scratch);
         const double eta = measure_contact(problem, c, v, r + 3 * c, u + 3 * c, &fit).eta;
-        const double distance =
-            greater(eta / wanted->tolerance, eta > 0.0 ? eta * v / wanted->residual : 0.0);
-        if (!(distance <= most))
-            most = distance;
+        if (!(eta <= out.distance))
+            out.distance = eta;
+        const double residual = (eta + NOISE) * v;
+        if (!(residual <= out.residual))
+            out.residual = residual;
     }
-    return most;
+    out.distance /= wanted->tolerance;
+    if (out.distance > 0.0)
+        out.distance = greater(out.distance, out.residual / wanted->residual);
+    return out;
 }
 
-double certificate_distance(const system_problem *problem, const goal *wanted, const double *r,
-                            const double *u, double *scratch)
+verdict certificate_judge(const system_problem *problem, const goal *wanted, const double *r,
+                          const double *u, double *scratch)
 {
+    verdict out;
+
     if (problem->bodies != 0)
         sizes_of_bodies(problem, r, scratch);
     if (wanted->measure == TRIBO_MEASURE_ETA)
-        return distance_by_eta(problem, wanted, r, u, scratch);
-    const double map = sqrt(squared_map(problem, wanted->sigma, r, u, scratch));
-    return map == 0.0 ? 0.0 : map / wanted->limit;
+        return judge_by_eta(problem, wanted, r, u, scratch);
+    out.residual = sqrt(squared_map(problem, wanted->sigma, r, u, scratch));
+    out.distance = out.residual == 0.0 ? 0.0 : out.residual / wanted->limit;
+    return out;
 }
 
 static double length(size_t count, const double *x)

@@ -26,9 +26,22 @@ void certificate_row_velocity(const system_problem *problem, size_t c, const dou
 /* Add what a change of one contact's impulse does to dv. */
 void certificate_push(const system_problem *problem, size_t c, const double change[3], double *dv);
 
-/* The measure over the goal's bound: 1 or less is there. scratch: 6 per body, in the bodies form. */
-double certificate_distance(const system_problem *problem, const goal *wanted, const double *r,
-                            const double *u, double *scratch);
+/* How good impulses are. */
+typedef struct verdict {
+    double distance; /* the measure over the goal's bound: 1 or less is there */
+    double residual; /* what the best are chosen by. Unlike eta it does not fall where impulses only
+                        grow */
+} verdict;
+
+/* 1 if `now` is worth taking other, perhaps far larger, impulses. */
+static inline int is_better(verdict now, verdict best)
+{
+    return now.residual < 0.99 * best.residual || (now.distance <= 1.0 && best.distance > 1.0);
+}
+
+/* scratch: 6 per body, in the bodies form. */
+verdict certificate_judge(const system_problem *problem, const goal *wanted, const double *r,
+                          const double *u, double *scratch);
 
 /* Greatest V of a contact over the greatest |q_c|: what impulses do to each other. */
 double certificate_growth(const system_problem *problem, const double *r, double *scratch);

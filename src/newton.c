@@ -20,7 +20,6 @@
 #define LEAST_SWEEPS 8
 #define MOST_SWEEPS 64
 #define SYMMETRY 1e-12
-#define BETTER 0.9   /* distance that is worth taking other, perhaps far larger, impulses */
 #define PATIENCE 300 /* proximal steps without progress */
 
 enum { OPEN, SLIP, STICK };
@@ -28,6 +27,7 @@ enum { OPEN, SLIP, STICK };
 struct newton {
     const system_problem *problem;
     double alpha;
+    verdict reached; /* by the best impulses */
     uint32_t sweeps; /* of the next smoothing */
     double unit;     /* bodies: power of two near the greatest W_cc */
 
@@ -862,7 +862,7 @@ static int solve_proximal(newton *n, double enough, newton_run *run, uint32_t *s
 
 /* Natural map without the proximal term, and the distance from the goal, of r brought into the
  * cone; kept if it is the best so far. */
-static double judge(newton *n, const goal *wanted, double *distance, double *least)
+static double judge(newton *n, const goal *wanted, double *distance)
 {
     const size_t count = n->problem->count;
     const double alpha = n->alpha;
@@ -873,9 +873,10 @@ static double judge(newton *n, const goal *wanted, double *distance, double *lea
     n->alpha = 0.0;
     const double f = map_all(n, n->next_r, n->next_u, n->next_f, n->next_mode);
     n->alpha = alpha;
-    *distance = certificate_distance(n->problem, wanted, n->next_r, n->next_u, n->dv);
-    if (*distance < BETTER * *least || (*distance <= 1.0 && *least > 1.0)) {
-        *least = *distance;
+    const verdict now = certificate_judge(n->problem, wanted, n->next_r, n->next_u, n->dv);
+    *distance = now.distance;
+    if (is_better(now, n->reached)) {
+        n->reached = now;
         copy(3 * count, n->next_r, n->best);
     }
     return f;
@@ -925,6 +926,7 @@ static double begin(newton *n, const system_problem *problem, const double *r)
     double most = 0.0;
 
     n->problem = problem;
+    n->reached.residual = n->reached.distance = HUGE_VAL;
     n->symmetric_w = is_symmetric(problem);
     copy(3 * (size_t)problem->count, r, n->r);
     copy(3 * (size_t)problem->count, r, n->best);
@@ -960,25 +962,24 @@ double newton_solve(newton *n, const system_problem *problem, const goal *wanted
 {
     const size_t numbers_of = 3 * (size_t)problem->count;
     const double size = begin(n, problem, r);
-    double least = 1e300;
     double distance;
     double fall = FAST_FALL;
     uint32_t idle = 0;
-    double outer = judge(n, wanted, &distance, &least);
+    double outer = judge(n, wanted, &distance);
 
     if (problem->bodies != 0)
         prepare_bodies(n, is_dense(6 * problem->bodies, run));
     n->alpha = FIRST_ALPHA * size;
     n->sweeps = LEAST_SWEEPS;
     while (distance > 1.0 && idle < PATIENCE && run->steps < run->most_steps) {
-        const double before = least;
+        const double before = n->reached.residual;
         uint32_t steps;
         copy(numbers_of, n->r, n->center);
         const double enough = greater(INNER_SHARE * outer, 0.1 * outer / distance);
         const int solved = solve_proximal(n, enough, run, &steps);
         if (run->halted != 0 || run->status != TRIBO_OK)
             break;
-        const double now = judge(n, wanted, &distance, &least);
+        const double now = judge(n, wanted, &distance);
         fall = adapt(n, size, solved && now < 10.0 * outer, steps, fall);
         if (now < 10.0 * outer) {
             outer = solved ? now : lesser(outer, now);
@@ -986,8 +987,9 @@ double newton_solve(newton *n, const system_problem *problem, const goal *wanted
             copy(numbers_of, n->center, n->r);
             certificate_velocity(problem, n->r, n->dv, n->u);
         }
-        idle = least < 0.9 * before ? 0 : idle + 1;
+        idle = n->reached.residual < 0.9 * before ? 0 : idle + 1;
     }
+    run->growth = certificate_growth(problem, n->r, n->dv);
     copy(numbers_of, n->best, r);
-    return least;
+    return n->reached.distance;
 }

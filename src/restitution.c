@@ -72,9 +72,11 @@ static void advance(const system_problem *p, double share, double *from, double 
     }
 }
 
-/* second = first + frictionless impulses that part the contacts. */
-static void part_without_friction(restitution *st, solver *s, const system_problem *p,
-                                  const double *free_velocity, const double *e, const goal *wanted)
+/* second = first + frictionless impulses that part the contacts. Returns the distance from the
+ * goal. */
+static double part_without_friction(restitution *st, solver *s, const system_problem *p,
+                                    const double *free_velocity, const double *e,
+                                    const goal *wanted)
 {
     system_problem bare = *p;
     const size_t n = p->count;
@@ -94,15 +96,16 @@ static void part_without_friction(restitution *st, solver *s, const system_probl
     bare.q = st->q;
     bare.target = st->target;
     bare.mu = st->mu;
-    solver_solve(s, &bare, st->free_velocity, wanted, st->second);
+    const double distance = solver_solve(s, &bare, st->free_velocity, wanted, st->second);
     for (size_t i = 0; i < 3 * n; i++)
         st->second[i] = st->first[i] + (i % 3 == 0 ? st->second[i] : 0.0);
     certificate_velocity(p, st->second, s->dv, st->u_second);
+    return distance;
 }
 
 /* second = impulses of Newton's restitution with friction. */
-static void part_with_friction(restitution *st, solver *s, const system_problem *p,
-                               const double *free_velocity, const double *e, const goal *wanted)
+static double part_with_friction(restitution *st, solver *s, const system_problem *p,
+                                 const double *free_velocity, const double *e, const goal *wanted)
 {
     system_problem aimed = *p;
 
@@ -114,8 +117,9 @@ static void part_with_friction(restitution *st, solver *s, const system_problem 
         st->second[i] = st->first[i];
     aimed.q = st->q;
     aimed.target = st->target;
-    solver_solve(s, &aimed, free_velocity, wanted, st->second);
+    const double distance = solver_solve(s, &aimed, free_velocity, wanted, st->second);
     certificate_velocity(p, st->second, s->dv, st->u_second);
+    return distance;
 }
 
 double restitution_apply(restitution *stage, solver *s, const system_problem *problem,
@@ -128,11 +132,12 @@ double restitution_apply(restitution *stage, solver *s, const system_problem *pr
         return 1.0;
     for (size_t i = 0; i < numbers; i++)
         stage->first[i] = r[i];
-    part_without_friction(stage, s, problem, free_velocity, e, wanted);
+    /* What is not solved is not gone towards. */
+    if (part_without_friction(stage, s, problem, free_velocity, e, wanted) > 1.0)
+        return 0.0;
     double share = allowed(problem, stage->first, stage->u_first, stage->second, stage->u_second);
     advance(problem, share, stage->first, stage->u_first, stage->second, stage->u_second);
-    if (share == 1.0) {
-        part_with_friction(stage, s, problem, free_velocity, e, wanted);
+    if (share == 1.0 && part_with_friction(stage, s, problem, free_velocity, e, wanted) <= 1.0) {
         share = allowed(problem, stage->first, stage->u_first, stage->second, stage->u_second);
         advance(problem, share, stage->first, stage->u_first, stage->second, stage->u_second);
     }

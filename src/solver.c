@@ -6,6 +6,8 @@
 #define FIRST_SWEEPS 8
 #define MOST_SWEEPS 64
 #define JAM_GROWTH 1e6
+/* A contact within this share of its cone stands on it. */
+#define EDGE 1e-9
 /* Newton starts from what the sweeps gave if it is nearer than this share of the start. */
 #define WORTH_KEEPING 1e-3
 /* Sweeps of Gauss-Seidel that smooth what Newton left, where it stalled. */
@@ -36,10 +38,10 @@ static uint32_t halt(void *context)
 
 /* ---- Gauss-Seidel ---------------------------------------------------------------------------- */
 
-static double distance_of(solver *s, const system_problem *p, const goal *wanted, const double *r)
+static verdict judge(solver *s, const system_problem *p, const goal *wanted, const double *r)
 {
     certificate_velocity(p, r, s->dv, s->u);
-    return certificate_distance(p, wanted, r, s->u, s->v);
+    return certificate_judge(p, wanted, r, s->u, s->v);
 }
 
 static void copy(size_t count, const double *from, double *to)
@@ -55,6 +57,18 @@ static void renew_velocities(solver *s, const system_problem *p, const double *f
         s->v[i] = free_velocity[i] + s->dv[i];
 }
 
+/* Sweeps that are missing if each batch brings a distance down by the factor that the last did. */
+static double missing(double won, double distance, uint32_t batch)
+{
+    double sweeps = 0.0;
+
+    if (!(won > 1.0))
+        return HUGE_VAL;
+    for (; distance > 1.0 && sweeps < 1e9; distance /= won)
+        sweeps += (double)batch;
+    return sweeps;
+}
+
 /* Sweep until the goal is met, `most` sweeps are done, or - if `hope` is given - more than that
  * many would be missing at the rate seen. Keeps the best r; returns its distance. */
 static double sweep_until(solver *s, const system_problem *p, const double *free_velocity,
@@ -62,33 +76,30 @@ static double sweep_until(solver *s, const system_problem *p, const double *free
 {
     const tribo_system_options *o = s->options;
     sweep *sweeps = sweep_prepare(p, o->isa, s->sweep_memory);
-    double least = distance_of(s, p, wanted, r);
+    verdict least = judge(s, p, wanted, r);
     uint32_t batch = FIRST_SWEEPS;
-    double before = least;
+    double before = least.distance;
 
     copy(3 * (size_t)p->count, r, s->held);
-    while (least > 1.0 && *done < most && halt(s) == 0) {
+    while (least.distance > 1.0 && *done < most && halt(s) == 0) {
         const uint32_t now = most - *done < batch ? (uint32_t)(most - *done) : batch;
         renew_velocities(s, p, free_velocity);
         sweep_run(sweeps, now, r, s->v, o->parallel, o->user, o->tasks);
         *done += now;
-        const double distance = distance_of(s, p, wanted, r);
-        if (distance < least) {
-            least = distance;
+        const verdict here = judge(s, p, wanted, r);
+        if (is_better(here, least)) {
+            least = here;
             copy(3 * (size_t)p->count, r, s->held);
         }
-        /* Sweeps that are missing if each batch wins what the last one did. */
-        const double won = before / distance;
-        double missing = 0.0;
-        for (double left = distance; left > 1.0 && won > 1.0 && missing <= hope; left /= won)
-            missing += (double)now;
-        if (hope > 0.0 && distance > 1.0 && (!(won > 1.0) || missing > hope))
+        if (here.distance > 1.0 && hope > 0.0 &&
+            missing(before / here.distance, here.distance, now) > hope)
             break;
-        before = distance;
+        before = here.distance;
         batch = batch < 1024 ? 2 * batch : batch;
     }
+    s->growth = certificate_growth(p, r, s->v);
     copy(3 * (size_t)p->count, s->held, r);
-    return least;
+    return least.distance;
 }
 
 /* ---- one component, one coefficient per contact ---------------------------------------------- */
@@ -96,6 +107,7 @@ static double sweep_until(solver *s, const system_problem *p, const double *free
 static double run_newton(solver *s, const system_problem *p, const goal *wanted, double *r)
 {
     const double distance = newton_solve(s->newton, p, wanted, &s->run, r);
+    s->growth = s->run.growth;
     s->info->steps = s->run.steps;
     s->info->factorizations = s->run.factorizations;
     if (s->run.status != TRIBO_OK)
@@ -109,16 +121,11 @@ static void note_stop(solver *s, uint32_t stop)
         s->stop = stop;
 }
 
-/* Why the goal is missed. Impulses that work against each other a million times harder than on the
- * approach, and leave a residual of its size, would grow for ever. */
-static uint32_t reason(solver *s, const system_problem *p, const goal *wanted, const double *r,
-                       int stalled)
+/* Why the goal is missed. Impulses that have come to work against each other a million times harder
+ * than on the approach, and do not get there, would grow for ever. */
+static uint32_t reason(const solver *s, int stalled)
 {
-    goal bare = *wanted;
-
-    bare.tolerance = 1e300;
-    if (certificate_growth(p, r, s->v) > JAM_GROWTH &&
-        (wanted->measure != TRIBO_MEASURE_ETA || distance_of(s, p, &bare, r) > 1.0))
+    if (s->growth > JAM_GROWTH)
         return TRIBO_STOP_JAM;
     return stalled ? TRIBO_STOP_STALL : TRIBO_STOP_ITERATIONS;
 }
@@ -133,7 +140,7 @@ static void solve_fixed(solver *s, const system_problem *p, const double *free_v
     const uint64_t done = s->run.steps;
 
     s->run.most_steps = s->most > UINT64_MAX - done ? UINT64_MAX : done + s->most;
-    const double first = distance_of(s, p, wanted, r);
+    const double first = judge(s, p, wanted, r).distance;
     double distance = first;
 
     copy(3 * (size_t)p->count, r, s->start_r);
@@ -156,45 +163,91 @@ static void solve_fixed(solver *s, const system_problem *p, const double *free_v
     if (sweeps > s->info->sweeps)
         s->info->sweeps = sweeps;
     if (distance > 1.0)
-        note_stop(s, reason(s, p, wanted, r, use_newton && s->run.steps < s->run.most_steps));
+        note_stop(s, reason(s, use_newton && s->run.steps < s->run.most_steps));
 }
 
 /* ---- static and dynamic coefficients --------------------------------------------------------- */
 
-/* Contacts that slide on the cone of mu_s have only mu_d: returns how many changed. */
-static uint32_t release(solver *s, const system_problem *p, const double *r, double *mu)
+static int slides(const system_problem *p, size_t c, double mu, const double *r, const double *u)
+{
+    const double friction = sqrt(r[1] * r[1] + r[2] * r[2]);
+    const double slip = sqrt(u[1] * u[1] + u[2] * u[2]);
+    const double *w = p->diagonal + 9 * c;
+
+    return r[0] > 0.0 && friction >= mu * r[0] * (1.0 - EDGE) &&
+           slip > EDGE * friction * (w[4] + w[8]);
+}
+
+/* A contact that slides on its cone has mu_d from now on: returns how many changed. */
+static uint32_t release(solver *s, const system_problem *p, const double *r)
 {
     uint32_t released = 0;
 
     for (size_t c = 0; c < p->count; c++) {
+        double *mu = s->mu + 2 * c;
         const double dynamic = p->mu[2 * c + 1];
-        const double *own = r + 3 * c;
-        const double *u = s->u + 3 * c;
-        const double friction = sqrt(own[1] * own[1] + own[2] * own[2]);
-        const double slip = sqrt(u[1] * u[1] + u[2] * u[2]);
-        const double *w = p->diagonal + 9 * c;
-        const double scale = friction * (w[4] + w[8]);
-        if (mu[2 * c] > dynamic && friction >= mu[2 * c] * own[0] * (1.0 - 1e-9) &&
-            slip > 1e-9 * scale) {
-            mu[2 * c] = mu[2 * c + 1] = dynamic;
+        if (mu[0] > dynamic && slides(p, c, mu[0], r + 3 * c, s->u + 3 * c)) {
+            mu[0] = mu[1] = dynamic;
             released++;
         }
     }
     return released;
 }
 
-void solver_solve(solver *s, const system_problem *problem, const double *free_velocity,
-                  const goal *wanted, double *r)
+/* mu_s for all, but mu_d where the start slides so. */
+static void choose_coefficients(solver *s, const system_problem *p, const double *r)
 {
+    for (size_t c = 0; c < p->count; c++) {
+        const double *mu = p->mu + 2 * c;
+        const int dynamic = mu[0] > mu[1] && slides(p, c, mu[1], r + 3 * c, s->u + 3 * c);
+        s->mu[2 * c] = s->mu[2 * c + 1] = mu[dynamic];
+    }
+}
+
+/* A contact alone has an answer without iteration. Where it jams, the frictionless impulse is what
+ * stops the approach. Returns 0 if neither is sure. */
+static int solve_alone(solver *s, const system_problem *p, double r[3])
+{
+    const double *w = p->diagonal;
+    const double half[6] = {w[0], w[1], w[2], w[4], w[5], w[8]};
+    const tribo_status status =
+        p->symmetric[0] != 0 ? tribo_contact_solve(half, p->q, p->mu[0], p->mu[1], r, NULL)
+                             : tribo_contact_solve_general(w, p->q, p->mu[0], p->mu[1], r, NULL);
+
+    if (status != TRIBO_ERROR_JAM)
+        return status == TRIBO_OK;
+    r[0] = (0.0 - p->q[0]) / w[0];
+    r[1] = r[2] = 0.0;
+    note_stop(s, TRIBO_STOP_JAM);
+    return 1;
+}
+
+double solver_solve(solver *s, const system_problem *problem, const double *free_velocity,
+                    const goal *wanted, double *r)
+{
+    const size_t numbers = 3 * (size_t)problem->count;
     system_problem held = *problem;
 
-    for (size_t c = 0; c < problem->count; c++)
-        s->mu[2 * c] = s->mu[2 * c + 1] = problem->mu[2 * c];
+    if (problem->count == 1 && solve_alone(s, problem, r))
+        return 0.0;
+    verdict best = judge(s, problem, wanted, r);
+    const uint32_t before = s->stop;
+
     held.mu = s->mu;
     s->run.halt = halt;
     s->run.context = s;
+    choose_coefficients(s, problem, r);
+    copy(numbers, r, s->best);
     do {
         solve_fixed(s, &held, free_velocity, wanted, r);
-        distance_of(s, problem, wanted, r);
-    } while (s->status == TRIBO_OK && halt(s) == 0 && release(s, problem, r, s->mu) > 0);
+        const verdict now = judge(s, problem, wanted, r);
+        if (is_better(now, best)) {
+            best = now;
+            copy(numbers, r, s->best);
+        }
+    } while (s->status == TRIBO_OK && halt(s) == 0 && release(s, problem, r) > 0);
+    copy(numbers, s->best, r);
+    if (best.distance <= 1.0 && s->stop != TRIBO_STOP_TIME && s->stop != TRIBO_STOP_CANCEL)
+        s->stop = before;
+    return best.distance;
 }

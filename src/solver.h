@@ -13,21 +13,22 @@ typedef struct solver {
     uint64_t most;           /* sweeps, and Newton steps, of a component */
     uint32_t stop;           /* TRIBO_STOP_...: the worst so far */
     tribo_status status;     /* of options->linear */
+    double growth;           /* of the last impulses: see certificate_growth */
     newton_run run;
 
     newton *newton; /* null: not asked for */
     void *sweep_memory;
-    double *dv, *v;             /* 6 per body */
-    double *u, *held, *start_r; /* 3 per contact */
-    double *mu;                 /* 2 per contact: the coefficients in force */
+    double *dv, *v;                    /* 6 per body */
+    double *u, *held, *start_r, *best; /* 3 per contact */
+    double *mu;                        /* 2 per contact: the coefficients in force */
 } solver;
 
 /* Seconds by the clock of the options. */
 double solver_now(const tribo_system_options *options);
 
 /* Improve r, 3 per contact, until the goal is met or nothing helps. free_velocity: 6 per body, v
- * without impulses (null in the assembled form). */
-void solver_solve(solver *s, const system_problem *problem, const double *free_velocity,
-                  const goal *wanted, double *r);
+ * without impulses (null in the assembled form). Returns the distance from the goal. */
+double solver_solve(solver *s, const system_problem *problem, const double *free_velocity,
+                    const goal *wanted, double *r);
 
 #endif

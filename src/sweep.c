@@ -191,6 +191,22 @@ static void factor_inertia(const double m[6], double l[6])
     l[5] = sqrt(d2 > 0.0 ? d2 : 0.0);
 }
 
+/* The power of two near the greatest entry of an inverse inertia. */
+static double unit_of(const double m[6])
+{
+    return 1.0 / power_of_two(scale_exponent(greater(greater(m[0], m[3]), m[5])));
+}
+
+/* L of a body: its inverse inertia is unit L L^T. */
+static void factor_body(const system_problem *problem, uint32_t body, double l[6])
+{
+    const double *m = problem->inverse_inertia + 6 * (size_t)body;
+    const double inverse = 1.0 / unit_of(m);
+    const double scaled[6] = {inverse * m[0], inverse * m[1], inverse * m[2],
+                              inverse * m[3], inverse * m[4], inverse * m[5]};
+    factor_inertia(scaled, l);
+}
+
 /* T L of the body at one end, row by row; 0 for the world. */
 static void turn_end(const system_problem *problem, uint32_t body, const double *turn,
                      double out[9])
@@ -200,7 +216,7 @@ static void turn_end(const system_problem *problem, uint32_t body, const double 
         memset(out, 0, 9 * sizeof *out);
         return;
     }
-    factor_inertia(problem->inverse_inertia + 6 * (size_t)body, l);
+    factor_body(problem, body, l);
     for (int k = 0; k < 3; k++) {
         const double *t = turn + 3 * k;
         out[3 * k] = t[0] * l[0] + t[1] * l[1] + t[2] * l[3];
@@ -377,6 +393,7 @@ static void clear_bodies(sweep *s)
         s->bodies[k] = still;
         if (k < s->problem.bodies) {
             s->bodies[k].inverse_mass = s->problem.inverse_mass[k];
+            s->bodies[k].unit = unit_of(s->problem.inverse_inertia + 6 * (size_t)k);
         }
     }
 }
@@ -426,7 +443,7 @@ static void give_three(const sweep_three *g, size_t i, const double d[3], sweep_
     double of_b[6];
     load_body(a, of_a);
     load_body(b, of_b);
-    sweep_push(g, i, d, a->inverse_mass, b->inverse_mass, of_a, of_b);
+    sweep_push(g, i, d, a->inverse_mass, b->inverse_mass, a->unit, b->unit, of_a, of_b);
     if (g->ends.a[i] != none) {
         store_body(of_a, a);
     }
@@ -491,7 +508,7 @@ static void give_one(const sweep_one *g, size_t i, double d, sweep_body *x, uint
     double of_b[6];
     load_body(a, of_a);
     load_body(b, of_b);
-    sweep_one_push(g, i, d, a->inverse_mass, b->inverse_mass, of_a, of_b);
+    sweep_one_push(g, i, d, a->inverse_mass, b->inverse_mass, a->unit, b->unit, of_a, of_b);
     if (g->ends.a[i] != none) {
         store_body(of_a, a);
     }
@@ -693,7 +710,7 @@ static void shift_velocities(const sweep *s, double sign, double *v)
         const sweep_body *x = s->bodies + k;
         double l[6];
         double *own = v + 6 * (size_t)k;
-        factor_inertia(s->problem.inverse_inertia + 6 * (size_t)k, l);
+        factor_body(&s->problem, k, l);
         for (int i = 0; i < 3; i++) {
             own[i] += sign * x->v[i];
         }

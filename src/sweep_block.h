@@ -20,12 +20,14 @@ typedef double lane_row[LANES] __attribute__((aligned(64)));
 typedef double lane_row[LANES];
 #endif
 
-/* A body in sweeps: one line of the cache. */
+/* A body in sweeps: one line of the cache. Its inverse inertia is unit L L^T, the unit a power of
+ * two: the root of an odd power would round otherwise than that of an even one. w = L^T times the
+ * moments. */
 typedef struct sweep_body {
     double v[3];
     double inverse_mass;
     double w[3];
-    double unused;
+    double unit;
 } sweep_body;
 
 /* Who stands in the lanes of a block. Lanes beyond `live` hold contacts that never close, of a body
@@ -213,7 +215,8 @@ TRIBO_ALWAYS_INLINE double sweep_finish_one(const sweep_three *g, size_t i, cons
 
 /* Give the change d of the impulse to both bodies. */
 TRIBO_ALWAYS_INLINE void sweep_push(const sweep_three *g, size_t i, const double d[3],
-                                    double mass_a, double mass_b, double a[6], double b[6])
+                                    double mass_a, double mass_b, double unit_a, double unit_b,
+                                    double a[6], double b[6])
 {
     for (int k = 0; k < 3; k++) {
         const double f =
@@ -224,8 +227,8 @@ TRIBO_ALWAYS_INLINE void sweep_push(const sweep_three *g, size_t i, const double
             g->turn_b[k][i] * d[0] + g->turn_b[3 + k][i] * d[1] + g->turn_b[6 + k][i] * d[2];
         a[k] += mass_a * f;
         b[k] -= mass_b * f;
-        a[3 + k] += of_a;
-        b[3 + k] -= of_b;
+        a[3 + k] += unit_a * of_a;
+        b[3 + k] -= unit_b * of_b;
     }
 }
 
@@ -268,14 +271,15 @@ TRIBO_ALWAYS_INLINE double sweep_one_impulse(const sweep_one *g, size_t i, const
 }
 
 TRIBO_ALWAYS_INLINE void sweep_one_push(const sweep_one *g, size_t i, double d, double mass_a,
-                                        double mass_b, double a[6], double b[6])
+                                        double mass_b, double unit_a, double unit_b, double a[6],
+                                        double b[6])
 {
     for (int k = 0; k < 3; k++) {
         const double f = g->normal[k][i] * d;
         a[k] += mass_a * f;
         b[k] -= mass_b * f;
-        a[3 + k] += g->turn_a[k][i] * d;
-        b[3 + k] -= g->turn_b[k][i] * d;
+        a[3 + k] += unit_a * (g->turn_a[k][i] * d);
+        b[3 + k] -= unit_b * (g->turn_b[k][i] * d);
     }
 }
 

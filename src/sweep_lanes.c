@@ -18,7 +18,7 @@
 
 /* Rows v, w of eight bodies, and their inverse masses. */
 typedef struct lane_ends {
-    lane_row v[3], mass, w[3], unused;
+    lane_row v[3], mass, w[3], unit;
 } lane_ends;
 
 /* Vectors of four would split the rows of eight that AVX-512 reads back. */
@@ -65,7 +65,7 @@ STAGE void gather(const sweep_body *x, const uint32_t *at, lane_ends *restrict o
         const double *const linear[4] = {e[0]->v, e[1]->v, e[2]->v, e[3]->v};
         const double *const angular[4] = {e[0]->w, e[1]->w, e[2]->w, e[3]->w};
         double *const rows[4] = {out->v[0] + i, out->v[1] + i, out->v[2] + i, out->mass + i};
-        double *const more[4] = {out->w[0] + i, out->w[1] + i, out->w[2] + i, out->unused + i};
+        double *const more[4] = {out->w[0] + i, out->w[1] + i, out->w[2] + i, out->unit + i};
         turn_four(linear, rows);
         turn_four(angular, more);
     }
@@ -78,7 +78,7 @@ TRIBO_ALWAYS_INLINE void turn_back(const lane_ends *restrict rows, sweep_body *c
         const double *const linear[4] = {rows->v[0] + i, rows->v[1] + i, rows->v[2] + i,
                                          rows->mass + i};
         const double *const angular[4] = {rows->w[0] + i, rows->w[1] + i, rows->w[2] + i,
-                                          rows->unused + i};
+                                          rows->unit + i};
         double *const lines[4] = {to[i]->v, to[i + 1]->v, to[i + 2]->v, to[i + 3]->v};
         double *const more[4] = {to[i]->w, to[i + 1]->w, to[i + 2]->w, to[i + 3]->w};
         turn_four(linear, lines);
@@ -102,7 +102,7 @@ STAGE void gather(const sweep_body *x, const uint32_t *at, lane_ends *restrict o
         out->w[0][i] = lines[i][4];
         out->w[1][i] = lines[i][5];
         out->w[2][i] = lines[i][6];
-        out->unused[i] = lines[i][7];
+        out->unit[i] = lines[i][7];
     }
 }
 
@@ -117,7 +117,7 @@ static void turn_back(const lane_ends *restrict rows, sweep_body *const to[LANES
         lines[i][4] = rows->w[0][i];
         lines[i][5] = rows->w[1][i];
         lines[i][6] = rows->w[2][i];
-        lines[i][7] = rows->unused[i];
+        lines[i][7] = rows->unit[i];
     }
     for (int i = 0; i < LANES; i++) {
         memcpy(to[i], lines[i], sizeof lines[i]);
@@ -353,7 +353,7 @@ STAGE void push_lanes(const sweep_three *restrict g, lane_row *restrict change,
         const double d[3] = {change[0][i], change[1][i], change[2][i]};
         load_end(a, i, of_a);
         load_end(b, i, of_b);
-        sweep_push(g, (size_t)i, d, a->mass[i], b->mass[i], of_a, of_b);
+        sweep_push(g, (size_t)i, d, a->mass[i], b->mass[i], a->unit[i], b->unit[i], of_a, of_b);
         store_end(a, i, of_a);
         store_end(b, i, of_b);
     }
@@ -475,7 +475,8 @@ STAGE void push_ones(const sweep_one *restrict g, const double *restrict d, lane
         double of_b[6];
         load_end(a, i, of_a);
         load_end(b, i, of_b);
-        sweep_one_push(g, (size_t)i, d[i], a->mass[i], b->mass[i], of_a, of_b);
+        sweep_one_push(g, (size_t)i, d[i], a->mass[i], b->mass[i], a->unit[i], b->unit[i], of_a,
+                       of_b);
         store_end(a, i, of_a);
         store_end(b, i, of_b);
     }

@@ -120,6 +120,7 @@ static void take_shared(plan *p, arena *a, const tribo_system_options *o)
     p->solver.u = numbers(a, 3 * n);
     p->solver.held = numbers(a, 3 * n);
     p->solver.start_r = numbers(a, 3 * n);
+    p->solver.best = numbers(a, 3 * n);
     p->solver.mu = numbers(a, 2 * n);
     p->solver.sweep_memory = arena_take(a, sweep_size(p->count, p->bodies), 1);
     p->solver.run.dense_limit = o->dense_limit;
@@ -501,6 +502,7 @@ static void solve_all(plan *p, const tribo_system_options *o, const double *star
     const tribo_system_info none = {0};
 
     *info = none;
+    info->struct_size = sizeof *info;
     info->restitution = 1.0;
     info->solver = o->solver == TRIBO_SOLVER_AUTO ? TRIBO_SOLVER_GAUSS_SEIDEL : o->solver;
     p->solver.options = o;
