@@ -1,6 +1,6 @@
 /* Many contacts: how time and memory grow with their number, and what towers take.
  *
- *   system [CONTACTS [SECONDS]]     greatest number of contacts (100000), limit for one solve (60)
+ *   system [CONTACTS [SECONDS]]     greatest number of contacts (100000), limit for one solve (20)
  *
  * Piles of spheres, walls of bricks and towers of boxes from a cold start to an invariant residual
  * of 1e-8 by the automatic choice with SuiteSparse, in the caller's thread; the time is that of
@@ -303,7 +303,7 @@ static void write_table(const char *program)
 int main(int count, char **arguments)
 {
     const double most = count > 1 ? strtod(arguments[1], NULL) : 1e5;
-    const double limit = count > 2 ? strtod(arguments[2], NULL) : 60.0;
+    const double limit = count > 2 ? strtod(arguments[2], NULL) : 20.0;
     grow(most, limit);
     stand();
     sweep(limit);
