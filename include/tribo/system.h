@@ -105,6 +105,17 @@ typedef struct tribo_system_info {
     uint64_t bytes;          /**< of the workspace that were used */
 } tribo_system_info;
 
+/** Factorise the n x n matrix with rows row_starts[i] to row_starts[i + 1] of `columns` (ascending
+ *  in each row) and `values`. symmetric = 1: it is symmetric, positive definite but for rounding,
+ *  and only entries with column <= row are given. The arrays stay as they are until the last solve.
+ *  @return TRIBO_OK; TRIBO_ERROR_CONTACT_MATRIX if it is singular; any other status. */
+typedef tribo_status (*tribo_factor_function)(void *context, uint32_t n, const uint32_t *row_starts,
+                                              const uint32_t *columns, const double *values,
+                                              uint32_t symmetric);
+
+/** Replace x by the solution for the right-hand side x, n numbers. */
+typedef tribo_status (*tribo_solve_function)(void *context, double *x);
+
 /** Factorise and solve sparse linear systems for Newton: a user's own, or tribo_sparse of
  *  libtribo. Without one, systems up to `dense_limit` unknowns are factored by dense elimination.
  */
@@ -112,15 +123,8 @@ typedef struct tribo_linear {
     uint32_t struct_size; /**< sizeof(tribo_linear) */
     uint32_t reserved;    /**< 0 */
     void *context;        /**< handed to both functions */
-    /** Factorise the n x n matrix with rows row_starts[i] to row_starts[i + 1] of `columns`
-     *  (ascending in each row) and `values`. symmetric = 1: it is symmetric, positive definite but
-     *  for rounding, and only entries with column <= row are given. The arrays stay as they are
-     *  until the last solve.
-     *  @return TRIBO_OK; TRIBO_ERROR_CONTACT_MATRIX if it is singular; any other status. */
-    tribo_status (*factor)(void *context, uint32_t n, const uint32_t *row_starts,
-                           const uint32_t *columns, const double *values, uint32_t symmetric);
-    /** Replace x by the solution for the right-hand side x, n numbers. */
-    tribo_status (*solve)(void *context, double *x);
+    tribo_factor_function factor;
+    tribo_solve_function solve;
 } tribo_linear;
 
 /** Called with what is known so far; return other than 0 to stop. */
