@@ -20,7 +20,7 @@
 #define LEAST_SWEEPS 8
 #define MOST_SWEEPS 64
 #define SYMMETRY 1e-12
-#define PATIENCE 300 /* proximal steps without progress */
+#define PATIENCE 1500 /* Newton steps that bring nothing */
 
 enum { OPEN, SLIP, STICK };
 
@@ -964,14 +964,14 @@ double newton_solve(newton *n, const system_problem *problem, const goal *wanted
     const double size = begin(n, problem, r);
     double distance;
     double fall = FAST_FALL;
-    uint32_t idle = 0;
+    uint64_t won = run->steps;
     double outer = judge(n, wanted, &distance);
 
     if (problem->bodies != 0)
         prepare_bodies(n, is_dense(6 * problem->bodies, run));
     n->alpha = FIRST_ALPHA * size;
     n->sweeps = LEAST_SWEEPS;
-    while (distance > 1.0 && idle < PATIENCE && run->steps < run->most_steps) {
+    while (distance > 1.0 && run->steps - won < PATIENCE && run->steps < run->most_steps) {
         const double before = n->reached.residual;
         uint32_t steps;
         copy(numbers_of, n->r, n->center);
@@ -981,13 +981,17 @@ double newton_solve(newton *n, const system_problem *problem, const goal *wanted
             break;
         const double now = judge(n, wanted, &distance);
         fall = adapt(n, size, solved && now < 10.0 * outer, steps, fall);
-        if (now < 10.0 * outer) {
+        if (steps == 0) {
+            /* Nothing to do but what bringing r into the cone undoes: go on from there. */
+            outer = now;
+            move(n);
+        } else if (now < 10.0 * outer) {
             outer = solved ? now : lesser(outer, now);
         } else {
             copy(numbers_of, n->center, n->r);
             certificate_velocity(problem, n->r, n->dv, n->u);
         }
-        idle = n->reached.residual < 0.9 * before ? 0 : idle + 1;
+        won = n->reached.residual < 0.9 * before ? run->steps : won;
     }
     run->growth = certificate_growth(problem, n->r, n->dv);
     copy(numbers_of, n->best, r);
