@@ -214,6 +214,7 @@ static int solve_alone(solver *s, const system_problem *p, double r[3])
         p->symmetric[0] != 0 ? tribo_contact_solve(half, p->q, p->mu[0], p->mu[1], r, NULL)
                              : tribo_contact_solve_general(w, p->q, p->mu[0], p->mu[1], r, NULL);
 
+    s->info->sweeps = s->info->sweeps > 1 ? s->info->sweeps : 1;
     if (status != TRIBO_ERROR_JAM)
         return status == TRIBO_OK;
     r[0] = (0.0 - p->q[0]) / w[0];
