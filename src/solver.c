@@ -234,6 +234,8 @@ double solver_solve(solver *s, const system_problem *problem, const double *free
     verdict best = judge(s, problem, wanted, r);
     const uint32_t before = s->stop;
 
+    if (best.distance <= 1.0)
+        return best.distance;
     held.mu = s->mu;
     s->run.halt = halt;
     s->run.context = s;
