@@ -168,25 +168,35 @@ static void solve_fixed(solver *s, const system_problem *p, const double *free_v
 
 /* ---- static and dynamic coefficients --------------------------------------------------------- */
 
-static int slides(const system_problem *p, size_t c, double mu, const double *r, const double *u)
+/* Slip, of friction times W, that a contact at rest may have. */
+static double least_slip(const goal *wanted)
+{
+    return wanted->measure == TRIBO_MEASURE_ETA ? lesser(EDGE, 0.1 * wanted->tolerance)
+                                                : 1e-3 * EDGE;
+}
+
+/* 1 if a contact stands on the cone of mu and slides faster than what the goal forgives. */
+static int slides(const system_problem *p, size_t c, double mu, double least, const double *r,
+                  const double *u)
 {
     const double friction = sqrt(r[1] * r[1] + r[2] * r[2]);
     const double slip = sqrt(u[1] * u[1] + u[2] * u[2]);
     const double *w = p->diagonal + 9 * c;
 
     return r[0] > 0.0 && friction >= mu * r[0] * (1.0 - EDGE) &&
-           slip > EDGE * friction * (w[4] + w[8]);
+           slip > least * friction * (w[4] + w[8]);
 }
 
 /* A contact that slides on its cone has mu_d from now on: returns how many changed. */
-static uint32_t release(solver *s, const system_problem *p, const double *r)
+static uint32_t release(solver *s, const system_problem *p, const goal *wanted, const double *r)
 {
+    const double least = least_slip(wanted);
     uint32_t released = 0;
 
     for (size_t c = 0; c < p->count; c++) {
         double *mu = s->mu + 2 * c;
         const double dynamic = p->mu[2 * c + 1];
-        if (mu[0] > dynamic && slides(p, c, mu[0], r + 3 * c, s->u + 3 * c)) {
+        if (mu[0] > dynamic && slides(p, c, mu[0], least, r + 3 * c, s->u + 3 * c)) {
             mu[0] = mu[1] = dynamic;
             released++;
         }
@@ -195,11 +205,13 @@ static uint32_t release(solver *s, const system_problem *p, const double *r)
 }
 
 /* mu_s for all, but mu_d where the start slides so. */
-static void choose_coefficients(solver *s, const system_problem *p, const double *r)
+static void choose_coefficients(solver *s, const system_problem *p, const goal *wanted,
+                                const double *r)
 {
     for (size_t c = 0; c < p->count; c++) {
         const double *mu = p->mu + 2 * c;
-        const int dynamic = mu[0] > mu[1] && slides(p, c, mu[1], r + 3 * c, s->u + 3 * c);
+        const int dynamic =
+            mu[0] > mu[1] && slides(p, c, mu[1], least_slip(wanted), r + 3 * c, s->u + 3 * c);
         s->mu[2 * c] = s->mu[2 * c + 1] = mu[dynamic];
     }
 }
@@ -239,7 +251,7 @@ double solver_solve(solver *s, const system_problem *problem, const double *free
     held.mu = s->mu;
     s->run.halt = halt;
     s->run.context = s;
-    choose_coefficients(s, problem, r);
+    choose_coefficients(s, problem, wanted, r);
     copy(numbers, r, s->best);
     do {
         solve_fixed(s, &held, free_velocity, wanted, r);
@@ -248,9 +260,11 @@ double solver_solve(solver *s, const system_problem *problem, const double *free
             best = now;
             copy(numbers, r, s->best);
         }
-    } while (s->status == TRIBO_OK && halt(s) == 0 && release(s, problem, r) > 0);
+    } while (s->status == TRIBO_OK && halt(s) == 0 && release(s, problem, wanted, r) > 0);
     copy(numbers, s->best, r);
     if (best.distance <= 1.0 && s->stop != TRIBO_STOP_TIME && s->stop != TRIBO_STOP_CANCEL)
         s->stop = before;
+    else if (best.distance > 1.0)
+        note_stop(s, TRIBO_STOP_ITERATIONS);
     return best.distance;
 }
