@@ -26,6 +26,12 @@ enum { OPEN, SLIP, STICK };
 
 struct newton {
     const system_problem *problem;
+    const goal *wanted;
+    double size;  /* mean |W_cc| */
+    double fall;  /* of alpha */
+    double outer; /* |F| without the proximal term, and the distance from the goal */
+    double distance;
+    uint64_t won; /* step that brought something last */
     double alpha;
     verdict reached; /* by the best impulses */
     uint32_t sweeps; /* of the next smoothing */
@@ -862,7 +868,7 @@ static int solve_proximal(newton *n, double enough, newton_run *run, uint32_t *s
 
 /* Natural map without the proximal term, and the distance from the goal, of r brought into the
  * cone; kept if it is the best so far. */
-static double judge(newton *n, const goal *wanted, double *distance)
+static double judge(newton *n)
 {
     const size_t count = n->problem->count;
     const double alpha = n->alpha;
@@ -873,8 +879,8 @@ static double judge(newton *n, const goal *wanted, double *distance)
     n->alpha = 0.0;
     const double f = map_all(n, n->next_r, n->next_u, n->next_f, n->next_mode);
     n->alpha = alpha;
-    const verdict now = certificate_judge(n->problem, wanted, n->next_r, n->next_u, n->dv);
-    *distance = now.distance;
+    const verdict now = certificate_judge(n->problem, n->wanted, n->next_r, n->next_u, n->dv);
+    n->distance = now.distance;
     if (is_better(now, n->reached)) {
         n->reached = now;
         copy(3 * count, n->next_r, n->best);
@@ -920,7 +926,7 @@ static uint32_t is_symmetric(const system_problem *p)
     return odd <= SYMMETRY * most;
 }
 
-static double begin(newton *n, const system_problem *problem, const double *r)
+static void begin(newton *n, const system_problem *problem, const double *r)
 {
     double sum = 0.0;
     double most = 0.0;
@@ -941,59 +947,76 @@ static double begin(newton *n, const system_problem *problem, const double *r)
     }
     n->unit = 1.0 / power_of_two(scale_exponent(most));
     certificate_velocity(problem, n->r, n->dv, n->u);
-    return sum / (double)problem->count;
+    n->size = sum / (double)problem->count;
 }
 
-/* The next alpha: lower where Newton is at ease. Returns how fast it may fall. */
-static double adapt(newton *n, double size, int solved, uint32_t steps, double fall)
+/* The next alpha: lower where Newton is at ease. */
+static void adapt(newton *n, int solved, uint32_t steps)
 {
     if (!solved) {
         n->alpha *= RISE;
-        return SLOW_FALL;
+        n->fall = SLOW_FALL;
+        return;
     }
     n->sweeps = n->sweeps > LEAST_SWEEPS ? n->sweeps / 2 : LEAST_SWEEPS;
     if (steps < QUICK)
-        n->alpha = greater(n->alpha / (steps <= QUICKEST ? fall : SLOW_FALL), LEAST_ALPHA * size);
-    return fall;
+        n->alpha =
+            greater(n->alpha / (steps <= QUICKEST ? n->fall : SLOW_FALL), LEAST_ALPHA * n->size);
 }
 
-double newton_solve(newton *n, const system_problem *problem, const goal *wanted, newton_run *run,
-                    double *r)
+void newton_start(newton *n, const system_problem *problem, const goal *wanted,
+                  const newton_run *run, const double *r)
 {
-    const size_t numbers_of = 3 * (size_t)problem->count;
-    const double size = begin(n, problem, r);
-    double distance;
-    double fall = FAST_FALL;
-    uint64_t won = run->steps;
-    double outer = judge(n, wanted, &distance);
-
+    begin(n, problem, r);
+    n->wanted = wanted;
+    n->outer = judge(n);
+    n->alpha = FIRST_ALPHA * n->size;
+    n->fall = FAST_FALL;
+    n->sweeps = LEAST_SWEEPS;
+    n->won = run->steps;
     if (problem->bodies != 0)
         prepare_bodies(n, is_dense(6 * problem->bodies, run));
-    n->alpha = FIRST_ALPHA * size;
-    n->sweeps = LEAST_SWEEPS;
-    while (distance > 1.0 && run->steps - won < PATIENCE && run->steps < run->most_steps) {
-        const double before = n->reached.residual;
-        uint32_t steps;
-        copy(numbers_of, n->r, n->center);
-        const double enough = greater(INNER_SHARE * outer, 0.1 * outer / distance);
-        const int solved = solve_proximal(n, enough, run, &steps);
-        if (run->halted != 0 || run->status != TRIBO_OK)
-            break;
-        const double now = judge(n, wanted, &distance);
-        fall = adapt(n, size, solved && now < 10.0 * outer, steps, fall);
-        if (steps == 0) {
-            /* Nothing to do but what bringing r into the cone undoes: go on from there. */
-            outer = now;
-            move(n);
-        } else if (now < 10.0 * outer) {
-            outer = solved ? now : lesser(outer, now);
-        } else {
-            copy(numbers_of, n->center, n->r);
-            certificate_velocity(problem, n->r, n->dv, n->u);
-        }
-        won = n->reached.residual < 0.9 * before ? run->steps : won;
+}
+
+uint32_t newton_stalls(const newton *n, const newton_run *run)
+{
+    return run->steps - n->won >= PATIENCE;
+}
+
+/* One proximal step. */
+static void advance(newton *n, newton_run *run)
+{
+    const double before = n->reached.residual;
+    const double enough = greater(INNER_SHARE * n->outer, 0.1 * n->outer / n->distance);
+    uint32_t steps;
+
+    copy(3 * (size_t)n->problem->count, n->r, n->center);
+    const int solved = solve_proximal(n, enough, run, &steps);
+    if (run->halted != 0 || run->status != TRIBO_OK)
+        return;
+    const double now = judge(n);
+    adapt(n, solved && now < 10.0 * n->outer, steps);
+    if (steps == 0) {
+        /* Nothing to do but what bringing r into the cone undoes: go on from there. */
+        n->outer = now;
+        move(n);
+    } else if (now < 10.0 * n->outer) {
+        n->outer = solved ? now : lesser(n->outer, now);
+    } else {
+        copy(3 * (size_t)n->problem->count, n->center, n->r);
+        certificate_velocity(n->problem, n->r, n->dv, n->u);
     }
-    run->growth = certificate_growth(problem, n->r, n->dv);
-    copy(numbers_of, n->best, r);
+    n->won = n->reached.residual < 0.9 * before ? run->steps : n->won;
+}
+
+double newton_continue(newton *n, newton_run *run, uint64_t steps, double *r)
+{
+    const uint64_t first = run->steps;
+
+    while (n->distance > 1.0 && run->steps - first < steps && run->steps < run->most_steps &&
+           run->halted == 0 && run->status == TRIBO_OK && !newton_stalls(n, run))
+        advance(n, run);
+    run->growth = certificate_growth(n->problem, n->r, n->dv);
+    copy(3 * (size_t)n->problem->count, n->best, r);
     return n->reached.distance;
 }

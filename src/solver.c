@@ -10,8 +10,9 @@
 #define EDGE 1e-9
 /* Newton starts from what the sweeps gave if it is nearer than this share of the start. */
 #define WORTH_KEEPING 1e-3
-/* Sweeps of Gauss-Seidel that smooth what Newton left, where it stalled. */
-#define SMOOTHING_SWEEPS 256
+/* Newton steps of the first turn; sweeps that take about as long as a step. */
+#define FIRST_TURN 64
+#define SWEEPS_FOR_STEP 32
 
 double solver_now(const tribo_system_options *options)
 {
@@ -104,9 +105,9 @@ static double sweep_until(solver *s, const system_problem *p, const double *free
 
 /* ---- one component, one coefficient per contact ---------------------------------------------- */
 
-static double run_newton(solver *s, const system_problem *p, const goal *wanted, double *r)
+static double run_newton(solver *s, uint64_t steps, double *r)
 {
-    const double distance = newton_solve(s->newton, p, wanted, &s->run, r);
+    const double distance = newton_continue(s->newton, &s->run, steps, r);
     s->growth = s->run.growth;
     s->info->steps = s->run.steps;
     s->info->factorizations = s->run.factorizations;
@@ -130,35 +131,59 @@ static uint32_t reason(const solver *s, int stalled)
     return stalled ? TRIBO_STOP_STALL : TRIBO_STOP_ITERATIONS;
 }
 
+/* Newton; by the automatic choice in turns with Gauss-Seidel, each from where it was, for ever longer
+ * turns: the cost is at most about twice that of the better one. `swept` is where the sweeps
+ * were. */
+static double take_turns(solver *s, const system_problem *p, const double *free_velocity,
+                         const goal *wanted, double *r, double *swept, uint64_t *sweeps)
+{
+    const uint32_t alone = s->options->solver == TRIBO_SOLVER_NEWTON;
+    uint64_t turn = alone ? UINT64_MAX : FIRST_TURN;
+    double distance;
+
+    newton_start(s->newton, p, wanted, &s->run, r);
+    for (;;) {
+        s->info->solver = TRIBO_SOLVER_NEWTON;
+        distance = run_newton(s, turn, r);
+        if (distance <= 1.0 || alone || s->status != TRIBO_OK || halt(s) != 0 ||
+            s->run.steps >= s->run.most_steps || newton_stalls(s->newton, &s->run))
+            return distance;
+        const uint64_t left = s->most - *sweeps;
+        const uint64_t most =
+            *sweeps + (SWEEPS_FOR_STEP * turn < left ? SWEEPS_FOR_STEP * turn : left);
+        if (sweep_until(s, p, free_velocity, wanted, most, 0.0, swept, sweeps) <= 1.0) {
+            s->info->solver = TRIBO_SOLVER_GAUSS_SEIDEL;
+            copy(3 * (size_t)p->count, swept, r);
+            return 0.0;
+        }
+        turn *= 2;
+    }
+}
+
 static void solve_fixed(solver *s, const system_problem *p, const double *free_velocity,
                         const goal *wanted, double *r)
 {
+    const size_t numbers = 3 * (size_t)p->count;
     const uint32_t asked = s->options->solver;
     const uint32_t can = s->newton != NULL && newton_possible(p->count, p->bodies, &s->run);
     const uint32_t use_newton = asked != TRIBO_SOLVER_GAUSS_SEIDEL && can;
-    uint64_t sweeps = 0;
+    const double first = judge(s, p, wanted, r).distance;
     const uint64_t done = s->run.steps;
+    double distance = first;
+    uint64_t sweeps = 0;
 
     s->run.most_steps = s->most > UINT64_MAX - done ? UINT64_MAX : done + s->most;
-    const double first = judge(s, p, wanted, r).distance;
-    double distance = first;
-
-    copy(3 * (size_t)p->count, r, s->start_r);
+    copy(numbers, r, s->start_r);
     if (distance > 1.0 && asked != TRIBO_SOLVER_NEWTON)
         distance = sweep_until(s, p, free_velocity, wanted, s->most,
                                use_newton ? (double)MOST_SWEEPS : 0.0, r, &sweeps);
-    /* Few sweeps spoil the contacts of a stack at rest, which Newton finds at once from nothing. */
-    if (use_newton && distance > 1.0 && distance > WORTH_KEEPING * first)
-        copy(3 * (size_t)p->count, s->start_r, r);
-    for (int round = 0; distance > 1.0 && use_newton && round < 3; round++) {
-        s->info->solver = TRIBO_SOLVER_NEWTON;
-        distance = run_newton(s, p, wanted, r);
-        if (!(distance > 1.0) || halt(s) != 0 || s->status != TRIBO_OK ||
-            asked == TRIBO_SOLVER_NEWTON || round == 2 || s->run.steps >= s->run.most_steps)
-            break;
-        const uint64_t smooth = sweeps + SMOOTHING_SWEEPS;
-        distance = sweep_until(s, p, free_velocity, wanted, smooth < s->most ? smooth : s->most,
-                               0.0, r, &sweeps);
+    if (distance > 1.0 && use_newton && halt(s) == 0) {
+        copy(numbers, r, s->swept);
+        /* Few sweeps spoil the contacts of a stack at rest, which Newton finds at once from
+         * nothing. */
+        if (distance > WORTH_KEEPING * first)
+            copy(numbers, s->start_r, r);
+        distance = take_turns(s, p, free_velocity, wanted, r, s->swept, &sweeps);
     }
     if (sweeps > s->info->sweeps)
         s->info->sweeps = sweeps;

@@ -121,6 +121,7 @@ static void take_shared(plan *p, arena *a, const tribo_system_options *o)
     p->solver.held = numbers(a, 3 * n);
     p->solver.start_r = numbers(a, 3 * n);
     p->solver.best = numbers(a, 3 * n);
+    p->solver.swept = numbers(a, 3 * n);
     p->solver.mu = numbers(a, 2 * n);
     p->solver.sweep_memory = arena_take(a, sweep_size(p->count, p->bodies), 1);
     p->solver.run.dense_limit = o->dense_limit;
