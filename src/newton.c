@@ -19,6 +19,13 @@
 #define SHORT_STEPS 3
 #define LEAST_SWEEPS 8
 #define MOST_SWEEPS 64
+/* A step without its elimination takes as long as so many sweeps; a contact of a sweep as long as so
+ * many operations of elimination, which is some times faster on dense matrices. */
+#define STEP_SWEEPS 32.0
+#define SWEEP_OPERATIONS 150.0
+#define BLOCK_OPERATIONS 30.0 /* of a block of W that is summed */
+#define DENSE_SHARE 0.2
+#define CLIQUE_SHARE 0.15 /* contacts of one body are all linked: fewer, larger blocks */
 #define SYMMETRY 1e-12
 #define PATIENCE 1500 /* Newton steps that bring nothing */
 
@@ -706,6 +713,77 @@ static int step_on_bodies(newton *n, newton_run *run)
             n->step[3 * c + k] = -n->step[3 * c + k] - change[k];
     }
     return 1;
+}
+
+/* ---- price ----------------------------------------------------------------------------------- */
+
+/* Breadth-first levels of a graph from `first`: marks nodes, and returns the operations of
+ * elimination level by level, each node having `rows` rows. `last` receives a node of the last
+ * level. */
+static double eliminate_levels(uint32_t nodes, const uint32_t *starts, const uint32_t *neighbours,
+                               uint32_t first, double rows, uint32_t *queue, uint32_t *mark,
+                               uint32_t *last)
+{
+    uint32_t begin = 0;
+    uint32_t end = 1;
+    double before = 0.0;
+    double sum = 0.0;
+
+    for (uint32_t i = 0; i < nodes; i++)
+        mark[i] = 0;
+    queue[0] = first;
+    mark[first] = 1;
+    while (begin < end) {
+        const double width = rows * (double)(end - begin);
+        const uint32_t level_end = end;
+        sum += width * (width + before) * (width + before);
+        before = width;
+        *last = queue[begin];
+        for (; begin < level_end; begin++) {
+            const uint32_t node = queue[begin];
+            for (uint32_t k = starts[node]; k < starts[node + 1]; k++) {
+                if (mark[neighbours[k]] == 0) {
+                    mark[neighbours[k]] = 1;
+                    queue[end++] = neighbours[k];
+                }
+            }
+        }
+    }
+    return sum;
+}
+
+/* From one end of the graph to the other the levels are thinnest. */
+static double sparse_operations(uint32_t nodes, const uint32_t *starts, const uint32_t *neighbours,
+                                double rows, uint32_t *scratch)
+{
+    uint32_t last = 0;
+    uint32_t unused;
+
+    eliminate_levels(nodes, starts, neighbours, 0, rows, scratch, scratch + nodes, &last);
+    return eliminate_levels(nodes, starts, neighbours, last, rows, scratch, scratch + nodes,
+                            &unused);
+}
+
+double newton_price(newton *n, const system_problem *problem, const newton_run *run)
+{
+    const uint32_t rows = unknowns(problem->count, problem->bodies);
+    double sweep = SWEEP_OPERATIONS * (double)problem->count;
+    double operations;
+
+    n->problem = problem;
+    if (problem->bodies == 0)
+        sweep += BLOCK_OPERATIONS * (double)problem->row_starts[problem->count];
+    if (is_dense(rows, run)) {
+        operations = DENSE_SHARE * (double)rows * (double)rows * (double)rows;
+    } else if (problem->bodies != 0) {
+        link_bodies(n);
+        tidy_links(n);
+        operations = sparse_operations(problem->bodies, n->starts, n->neighbours, 6.0, n->place);
+    } else {
+        operations = CLIQUE_SHARE * sparse_operations(problem->count, problem->row_starts,
+                                                      problem->columns, 3.0, n->place);
+    }
+    return STEP_SWEEPS + operations / sweep;
 }
 
 /* ---- iteration ------------------------------------------------------------------------------- */

@@ -35,6 +35,9 @@ uint32_t newton_possible(uint32_t count, uint32_t bodies, const newton_run *run)
  * contacts in the bodies form. */
 newton *newton_take(arena *a, uint32_t count, uint32_t bodies, size_t links, const newton_run *run);
 
+/* About how many sweeps take as long as a step on this problem. */
+double newton_price(newton *n, const system_problem *problem, const newton_run *run);
+
 /* Start from r; `problem` and `wanted` must last until the last newton_continue. */
 void newton_start(newton *n, const system_problem *problem, const goal *wanted,
                   const newton_run *run, const double *r);

@@ -2,17 +2,14 @@
 
 #include "bits.h"
 
-/* Sweeps that are tried before Newton, and the most that may still be missing by the rate seen. */
+/* Sweeps of the first batch, and the Newton steps whose price may still be missing in sweeps. */
 #define FIRST_SWEEPS 8
-#define MOST_SWEEPS 64
+#define FEW_STEPS 2.0
 #define JAM_GROWTH 1e6
 /* A contact within this share of its cone stands on it. */
 #define EDGE 1e-9
-/* Newton starts from what the sweeps gave if it is nearer than this share of the start. */
-#define WORTH_KEEPING 1e-3
-/* Newton steps of the first turn; sweeps that take about as long as a step. */
+/* Newton steps of the first turn. */
 #define FIRST_TURN 64
-#define SWEEPS_FOR_STEP 32
 
 double solver_now(const tribo_system_options *options)
 {
@@ -135,7 +132,8 @@ static uint32_t reason(const solver *s, int stalled)
  * turns: the cost is at most about twice that of the better one. `swept` is where the sweeps
  * were. */
 static double take_turns(solver *s, const system_problem *p, const double *free_velocity,
-                         const goal *wanted, double *r, double *swept, uint64_t *sweeps)
+                         const goal *wanted, double price, double *r, double *swept,
+                         uint64_t *sweeps)
 {
     const uint32_t alone = s->options->solver == TRIBO_SOLVER_NEWTON;
     uint64_t turn = alone ? UINT64_MAX : FIRST_TURN;
@@ -148,9 +146,9 @@ static double take_turns(solver *s, const system_problem *p, const double *free_
         if (distance <= 1.0 || alone || s->status != TRIBO_OK || halt(s) != 0 ||
             s->run.steps >= s->run.most_steps || newton_stalls(s->newton, &s->run))
             return distance;
+        const double due = price * (double)turn;
         const uint64_t left = s->most - *sweeps;
-        const uint64_t most =
-            *sweeps + (SWEEPS_FOR_STEP * turn < left ? SWEEPS_FOR_STEP * turn : left);
+        const uint64_t most = *sweeps + (due < (double)left ? (uint64_t)due : left);
         if (sweep_until(s, p, free_velocity, wanted, most, 0.0, swept, sweeps) <= 1.0) {
             s->info->solver = TRIBO_SOLVER_GAUSS_SEIDEL;
             copy(3 * (size_t)p->count, swept, r);
@@ -167,23 +165,20 @@ static void solve_fixed(solver *s, const system_problem *p, const double *free_v
     const uint32_t asked = s->options->solver;
     const uint32_t can = s->newton != NULL && newton_possible(p->count, p->bodies, &s->run);
     const uint32_t use_newton = asked != TRIBO_SOLVER_GAUSS_SEIDEL && can;
-    const double first = judge(s, p, wanted, r).distance;
     const uint64_t done = s->run.steps;
-    double distance = first;
+    const double price = use_newton ? newton_price(s->newton, p, &s->run) : 0.0;
+    double distance = judge(s, p, wanted, r).distance;
     uint64_t sweeps = 0;
 
     s->run.most_steps = s->most > UINT64_MAX - done ? UINT64_MAX : done + s->most;
     copy(numbers, r, s->start_r);
     if (distance > 1.0 && asked != TRIBO_SOLVER_NEWTON)
-        distance = sweep_until(s, p, free_velocity, wanted, s->most,
-                               use_newton ? (double)MOST_SWEEPS : 0.0, r, &sweeps);
+        distance = sweep_until(s, p, free_velocity, wanted, s->most, price * FEW_STEPS, r, &sweeps);
     if (distance > 1.0 && use_newton && halt(s) == 0) {
         copy(numbers, r, s->swept);
-        /* Few sweeps spoil the contacts of a stack at rest, which Newton finds at once from
-         * nothing. */
-        if (distance > WORTH_KEEPING * first)
-            copy(numbers, s->start_r, r);
-        distance = take_turns(s, p, free_velocity, wanted, r, s->swept, &sweeps);
+        /* Sweeps spoil the contacts of a stack at rest, which Newton finds at once from nothing. */
+        copy(numbers, s->start_r, r);
+        distance = take_turns(s, p, free_velocity, wanted, price, r, s->swept, &sweeps);
     }
     if (sweeps > s->info->sweeps)
         s->info->sweeps = sweeps;
