@@ -674,7 +674,7 @@ END
                 good = good && $4 == want && $5 == 0 && $6 == 0
             else
                 good = good && $7 <= 1e-10 && $5 > 0 && $6 > 0 && ($4 > 0) == (row == 5)
-            good = good && ($9 == "-") == (scene == 3)
+            good = good && ($9 == "-") == (scene == 3) && (scene != 3 || $8 < -1)
             if (row == 1) error = $9
             if (row > 3 && scene != 3) {
                 exact = -0.013366125 * (scene == 1 ? 10 : scene == 2 ? 1009 : 64)
