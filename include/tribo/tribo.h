@@ -8,6 +8,7 @@
 #include <tribo/audit.h>
 #include <tribo/base.h>
 #include <tribo/batch.h>
+#include <tribo/system.h>
 #include <tribo/body.h>
 #include <tribo/contact.h>
 #include <tribo/material.h>
