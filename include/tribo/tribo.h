@@ -8,10 +8,10 @@
 #include <tribo/audit.h>
 #include <tribo/base.h>
 #include <tribo/batch.h>
-#include <tribo/system.h>
 #include <tribo/body.h>
 #include <tribo/contact.h>
 #include <tribo/material.h>
 #include <tribo/math.h>
+#include <tribo/system.h>
 
 #endif
