@@ -683,7 +683,7 @@ static void run_batch(void)
 /* The core alone: what SuiteSparse gives, which libtribo hands to Newton, is rounded as its BLAS
  * rounds. In its place stands a plain elimination, so that the sparse matrices are hashed, too. */
 
-enum { MOST_BODIES = 1024, MOST_CONTACTS = 2048, MOST_UNKNOWNS = 256, MOST_BLOCKS = 64 * 64 };
+enum { MOST_BODIES = 1024, MOST_CONTACTS = 2048, MOST_UNKNOWNS = 128, MOST_BLOCKS = 64 * 64 };
 
 static tribo_body scene_bodies[MOST_BODIES];
 static tribo_system_contact scene_contacts[MOST_CONTACTS];
@@ -854,7 +854,9 @@ static uint32_t dense_rows, dense_pivots[MOST_UNKNOWNS];
 static void scatter(uint32_t n, const uint32_t *row_starts, const uint32_t *columns,
                     const double *values, uint32_t symmetric)
 {
-    memset(dense, 0, sizeof dense);
+    for (uint32_t i = 0; i < n; ++i) {
+        memset(dense[i], 0, n * sizeof dense[i][0]);
+    }
     for (uint32_t i = 0; i < n; ++i) {
         for (uint32_t k = row_starts[i]; k < row_starts[i + 1]; ++k) {
             put_u64(columns[k]);
@@ -1032,30 +1034,28 @@ static void run_tower(uint32_t height, int kind)
     solve_each_way(40);
 }
 
-static void run_nets(void)
+static void run_net(void)
 {
+    const uint64_t before = hash;
+    uint64_t alone;
     tribo_system_options options;
     make_net(32);
     memset(&options, 0, sizeof options);
     options.struct_size = sizeof options;
     options.solver = TRIBO_SOLVER_GAUSS_SEIDEL;
     options.isa = chosen_isa;
-    options.max_iterations = 20;
+    options.max_iterations = 6;
     options.parallel = backwards;
-    for (int i = 0; i < 2; ++i) {
-        const uint64_t before = hash;
-        uint64_t alone;
-        options.tasks = 1;
-        solve_scene(&options);
-        alone = hash;
-        hash = before;
-        options.tasks = 3;
-        solve_scene(&options);
-        if (hash != alone || (chosen_isa != TRIBO_ISA_SCALAR && tasks_met != 3)) {
-            fprintf(stderr, "a system is solved otherwise in %u tasks than in one\n", tasks_met);
-            exit(4);
-        }
-        season(1);
+    season(1);
+    options.tasks = 1;
+    solve_scene(&options);
+    alone = hash;
+    hash = before;
+    options.tasks = 3;
+    solve_scene(&options);
+    if (hash != alone || (chosen_isa != TRIBO_ISA_SCALAR && tasks_met != 3)) {
+        fprintf(stderr, "a system is solved otherwise in %u tasks than in one\n", tasks_met);
+        exit(4);
     }
 }
 
@@ -1153,17 +1153,17 @@ static void run_system(void)
 {
     for (int kind = 0; kind < 4; ++kind) {
         run_tower(5, kind);
-        run_tower(12, kind);
+        run_tower(9, kind);
     }
     for (int kind = 0; kind < 2; ++kind) {
-        make_wall(5, 7);
+        make_wall(4, 5);
         if (kind) {
             stir();
             season(1);
         }
         solve_each_way(12);
     }
-    for (int i = 0; i < 80; ++i) {
+    for (int i = 0; i < 40; ++i) {
         const int bodies = 1 + below(16);
         make_heap(bodies, 1 + below(24));
         season(i % 2);
@@ -1171,8 +1171,8 @@ static void run_system(void)
         put_status(tribo_system_apply(scene_body_count, scene_bodies, solved_velocities));
         put_body(&scene_bodies[0]);
     }
-    run_nets();
-    for (int i = 0; i < 60; ++i) {
+    run_net();
+    for (int i = 0; i < 50; ++i) {
         run_assembled();
     }
 }
