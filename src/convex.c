@@ -32,7 +32,7 @@
 
 enum {
     MPR_CALLS = 100,
-    GJK_ROUNDS = 40,
+    GJK_ROUNDS = 80,
     DESCENTS = 16,
     LONG_DESCENTS = 10,
     NEWTON_STEPS = 8,
@@ -321,9 +321,12 @@ static void offer(nearest *best, const double v[3], int i, int j, int k, int cou
 static void offer_segment(nearest *best, double p[4][3], int i, int j)
 {
     const double t = on_segment(p[i], p[j]);
+    double d[3];
     double v[3];
-    for (int c = 0; c < 3; c++) {
-        v[c] = p[i][c] + t * (p[j][c] - p[i][c]);
+    tribo_vec3_subtract(p[j], p[i], d);
+    tribo_vec3_add_scaled(p[i], t, d, v);
+    if (t > 0.0 && t < 1.0) { /* square to the segment, however near that is */
+        tribo_vec3_add_scaled(v, 0.0 - tribo_vec3_dot(v, d) / tribo_vec3_dot(d, d), d, v);
     }
     if (t <= 0.0) {
         offer(best, p[i], i, i, i, 1);
@@ -440,6 +443,7 @@ static int contradicts(const search *s, const simplex *x, const double n[3], dou
 static int approach(search *s, simplex *x, const double shift[3], double start)
 {
     double shortest = HUGE_VAL;
+    double open = HUGE_VAL;
     int stale = 0;
     for (int round = 0; round < GJK_ROUNDS && stale < 3 && !s->fault && !apart(s); round++) {
         double v[3];
@@ -459,8 +463,10 @@ static int approach(search *s, simplex *x, const double shift[3], double start)
         if (left <= greater(s->rounding, 0.05 * (gap - start)) || holds(x, p)) {
             break;
         }
-        stale = length(v) < shortest - 64.0 * s->rounding ? 0 : stale + 1;
+        const int better = length(v) < shortest - 64.0 * s->rounding || left < 0.5 * open;
+        stale = better ? 0 : stale + 1;
         shortest = lesser(shortest, length(v));
+        open = lesser(open, left);
         if (x->count < 4) {
             copy(p, x->p[x->count++]);
         }
@@ -507,6 +513,12 @@ static void differentiate(search *s, place *at)
     at->bend[2] = column[1][1] - at->width;
 }
 
+/* Bend of w that is there for certain, or may be: a corner looks bent without end. */
+static double stiffness(const search *s)
+{
+    return s->width < -64.0 * s->rounding ? lesser(0.0 - s->width, s->reach) : s->reach;
+}
+
 enum { STEP_NONE, STEP_TAKEN, STEP_DONE };
 
 static int newton_step(search *s, place *at)
@@ -522,7 +534,8 @@ static int newton_step(search *s, place *at)
     const double y = (h[1] * t[0] - h[0] * t[1]) / det;
     const double gain = 0.0 - 0.5 * (t[0] * x + t[1] * y);
     if (gain <= 0.25 * s->rounding) {
-        return STEP_DONE;
+        const double square = t[0] * t[0] + t[1] * t[1];
+        return square <= 16.0 * stiffness(s) * s->rounding ? STEP_DONE : STEP_NONE;
     }
     if (x * x + y * y > 0.1) {
         return STEP_NONE;
@@ -575,12 +588,16 @@ static int descend(search *s)
     double room = 0.0;
     x.count = 1;
     (void)support(s, s->normal, x.p[0]);
-    for (int k = 0; k < DESCENTS && !s->fault && !apart(s); k++) {
+    for (int k = 0; !s->fault && !apart(s); k++) {
         const double width = s->width;
+        const int outside = width < -64.0 * s->rounding; /* the origin, of M: nothing has to move */
+        if (k >= DESCENTS && !outside) {
+            break;
+        }
         /* where M is flat, the nearer to it, the longer the step */
         room = k < LONG_DESCENTS ? greater(0.5 * absolute(width), 0.1 * s->inner) : 0.25 * room;
         const double gap = greater(room, 1e6 * s->rounding);
-        const double way = greater(width + gap, 0.0);
+        const double way = outside ? 0.0 : greater(width + gap, 0.0);
         const double shift[3] = {way * s->normal[0], way * s->normal[1], way * s->normal[2]};
         const double start = way > 0.0 ? way - width : HUGE_VAL;
         if (!approach(s, &x, shift, start)) {
@@ -1192,7 +1209,10 @@ static int ridge(search *s, const crease *k)
     const double before = tribo_vec3_dot(left, e);
     const double slip = (tribo_vec3_dot(left, t) * after - tribo_vec3_dot(right, t) * before) /
                         greater(after - before, s->rounding);
-    if (!(after > 0.0 && before < 0.0 && 0.5 * slip * slip <= bend * s->rounding &&
+    const double step =
+        tribo_vec3_dot(left, n) - tribo_vec3_dot(right, n); /* another kink nearby */
+    if (!(after > 0.0 && before < 0.0 && absolute(step) <= 4.0 * s->rounding &&
+          0.5 * slip * slip <= lesser(bend, stiffness(s)) * s->rounding &&
           width <= s->width + tilt * s->reach)) {
         return 0;
     }
@@ -1401,7 +1421,8 @@ static void look_around(search *s, int kink)
     }
     const int outcome = survey(s);
     s->stopped |= outcome == SURVEY_FAILED;
-    if (outcome != SURVEY_EXACT && (kink || s->width < before)) {
+    const int outside = s->width < -64.0 * s->rounding; /* where facets bound nothing */
+    if (outside || (outcome != SURVEY_EXACT && (kink || s->width < before))) {
         settle(s);
     }
 }

@@ -38,6 +38,9 @@ const pairs_class pairs_classes[] = {
     {"plates 2000:1 0.2", PAIRS_PLATES, 0.2, 1.0, 3.0, 0.0},
     {"plates 2000:1 1e-4", PAIRS_PLATES, 1e-4, 1.0, 3.0, 0.0},
     {"plates 2000:1 1e-6", PAIRS_PLATES, 1e-6, 1.0, 3.0, 0.0},
+    {"apart 1e-2", PAIRS_APART, -1e-2, 1.0, 3.0, 0.0},
+    {"apart 1e-5", PAIRS_APART, -1e-5, 1.0, 3.0, 0.0},
+    {"apart 1e-6", PAIRS_APART, -1e-6, 1.0, 3.0, 0.0},
 };
 
 const int pairs_class_count = (int)(sizeof pairs_classes / sizeof pairs_classes[0]);
@@ -327,6 +330,112 @@ static void concentric(problem_random *random, pairs_pair *pair)
     }
 }
 
+/* One of the points of a core, own axes, that are farthest along n: a mixture of the vertices. */
+static void spot_of_core(const truth_polytope *core, const double *n, problem_random *random,
+                         double *point)
+{
+    double most = -HUGE_VAL;
+    double sum = 0.0;
+    double mixed[3] = {0.0, 0.0, 0.0};
+    for (int k = 0; k < core->vertices; k++) {
+        const double *v = core->vertex[k];
+        most = fmax(most, n[0] * v[0] + n[1] * v[1] + n[2] * v[2]);
+    }
+    for (int k = 0; k < core->vertices; k++) {
+        const double *v = core->vertex[k];
+        if (n[0] * v[0] + n[1] * v[1] + n[2] * v[2] >= most - 1e-14) {
+            const double weight = problem_random_uniform(random, 0.01, 1.0);
+            sum += weight;
+            for (int c = 0; c < 3; c++) {
+                mixed[c] += weight * v[c];
+            }
+        }
+    }
+    for (int c = 0; c < 3; c++) {
+        point[c] = mixed[c] / sum;
+    }
+}
+
+/* The same of a cylinder or cone: a cap, its rim, a line of the side, the tip. */
+static void spot_of_turned(const truth_body *body, const double *n, problem_random *random,
+                           double *point)
+{
+    const int cone = body->type == TRIBO_SHAPE_CONE;
+    const double r = body->size[0];
+    const double h = body->size[1];
+    const double flat = hypot(n[0], n[1]);
+    const double turn = problem_random_uniform(random, 0.0, 6.28);
+    const double share = sqrt(problem_random_uniform(random, 0.0, 1.0));
+    const double side = cone ? r * flat - 2.0 * h * n[2] : -n[2]; /* > 0: the lower rim is */
+    const double line = fabs(side) < 1e-14 ? problem_random_uniform(random, 0.0, 1.0) : side > 0.0;
+    const double radius = cone ? line * r : r;
+    point[0] = flat > 1e-14 ? radius * n[0] / flat : share * radius * cos(turn);
+    point[1] = flat > 1e-14 ? radius * n[1] / flat : share * radius * sin(turn);
+    point[2] = (1.0 - 2.0 * line) * h;
+}
+
+/* World axes, from the position of the body. */
+static void spot(const pairs_pair *pair, int i, const double *n, problem_random *random, double *at)
+{
+    const truth_body *body = &pair->body[i];
+    const double *r = body->rotation;
+    double own[3];
+    double point[3];
+    for (int c = 0; c < 3; c++) {
+        own[c] = r[c] * n[0] + r[3 + c] * n[1] + r[6 + c] * n[2];
+    }
+    if (body->core != NULL) {
+        spot_of_core(body->core, own, random, point);
+    } else if (body->type == TRIBO_SHAPE_ELLIPSOID) {
+        farthest(pair, i, own, point);
+    } else {
+        spot_of_turned(body, own, random, point);
+    }
+    turned(r, point, at);
+    for (int c = 0; c < 3; c++) {
+        at[c] += body->radius * n[c];
+    }
+}
+
+/* Any direction, an axis of a body, or one square to such an axis. */
+static void draw_way(const pairs_pair *pair, problem_random *random, double *n)
+{
+    const double *r = pair->body[problem_random_uniform(random, 0.0, 1.0) < 0.5 ? 0 : 1].rotation;
+    const int k = (int)problem_random_uniform(random, 0.0, 3.0);
+    const double axis[3] = {r[k], r[3 + k], r[6 + k]};
+    const double which = problem_random_uniform(random, 0.0, 1.0);
+    double other[3];
+    problem_random_direction(random, 3, n);
+    if (which < 0.3) {
+        memcpy(n, axis, sizeof axis);
+    } else if (which < 0.6) {
+        memcpy(other, n, sizeof other);
+        for (int c = 0; c < 3; c++) {
+            n[c] = axis[(c + 1) % 3] * other[(c + 2) % 3] - axis[(c + 2) % 3] * other[(c + 1) % 3];
+        }
+        const double size = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+        for (int c = 0; c < 3; c++) {
+            n[c] /= size;
+        }
+    }
+}
+
+/* Points of both that are farthest along n, one before the other: no two are nearer. */
+static void apart(problem_random *random, double gap, pairs_pair *pair)
+{
+    double at[2][3];
+    double back[3];
+    draw_way(pair, random, pair->normal);
+    for (int c = 0; c < 3; c++) {
+        back[c] = -pair->normal[c];
+    }
+    spot(pair, 0, back, random, at[0]);
+    spot(pair, 1, pair->normal, random, at[1]);
+    for (int c = 0; c < 3; c++) {
+        pair->body[1].position[c] = at[0][c] - at[1][c] - gap * pair->normal[c];
+    }
+}
+
 /* Far from the origin positions are rounded; what was meant is what is left of it. */
 static void place(const pairs_class *class, problem_random *random, pairs_pair *pair)
 {
@@ -354,6 +463,12 @@ static int draw_pair(const pairs_class *class, problem_random *random, pairs_pai
         concentric(random, pair);
         pair->depth = truth_least(&pair->body[0], &pair->body[1], pair->normal);
         place(class, random, pair);
+        return 1;
+    }
+    if (class->arrangement == PAIRS_APART) {
+        apart(random, -wanted, pair);
+        place(class, random, pair);
+        pair->depth = truth_width(&pair->body[0], &pair->body[1], pair->normal);
         return 1;
     }
     overlap(random, pair);

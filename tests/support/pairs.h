@@ -24,7 +24,8 @@ enum {
     PAIRS_FACES,      /* axes parallel, half of them tilted by 1e-12 to 1e-3 */
     PAIRS_EDGES,      /* turned about a common axis */
     PAIRS_CONCENTRIC, /* positions equal, or 1e-16 to 1e-3 of the size apart */
-    PAIRS_PLATES /* as FACES; A is a box, a cylinder or a user's box 2000 times as wide as thick */
+    PAIRS_PLATES, /* as FACES; A is a box, a cylinder or a user's box 2000 times as wide as thick */
+    PAIRS_APART   /* any two features laid onto each other along a direction, and drawn apart */
 };
 
 typedef struct pairs_class {
