@@ -368,7 +368,7 @@ static double length(size_t count, const double *x)
     return sqrt(sum);
 }
 
-static double mean_diagonal(const system_problem *problem)
+double certificate_stiffness(const system_problem *problem)
 {
     double sum = 0.0;
 
@@ -400,7 +400,7 @@ void certificate_write(const system_problem *problem, const double *r, const dou
         info->misalignment = greater(info->misalignment, m.misalignment);
     }
     info->eta_rms = problem->count != 0 ? sqrt(squares / (double)problem->count) : 0.0;
-    const double map = sqrt(squared_map(problem, mean_diagonal(problem), r, u, scratch));
+    const double map = sqrt(squared_map(problem, certificate_stiffness(problem), r, u, scratch));
     info->invariant = q_size > 0.0 ? map / q_size : 0.0;
     const double unit = sqrt(squared_map(problem, 1.0, r, u, scratch));
     const double size = greater(q_size, greater(length(numbers, r), length(numbers, u)));

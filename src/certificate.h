@@ -46,6 +46,9 @@ verdict certificate_judge(const system_problem *problem, const goal *wanted, con
 /* Greatest V of a contact over the greatest |q_c|: what impulses do to each other. */
 double certificate_growth(const system_problem *problem, const double *r, double *scratch);
 
+/* Mean diagonal entry of W. */
+double certificate_stiffness(const system_problem *problem);
+
 /* Write the measures of impulses to info; the rest of it is left as it is. */
 void certificate_write(const system_problem *problem, const double *r, const double *u,
                        double *scratch, tribo_system_info *info);

@@ -1014,6 +1014,7 @@ static void begin(newton *n, const system_problem *problem, const double *r)
     n->symmetric_w = is_symmetric(problem);
     copy(3 * (size_t)problem->count, r, n->r);
     copy(3 * (size_t)problem->count, r, n->best);
+    copy(3 * (size_t)problem->count, r, n->center);
     for (size_t c = 0; c < problem->count; c++) {
         const double *w = problem->diagonal + 9 * c;
         double squares = 0.0;

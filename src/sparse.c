@@ -121,6 +121,7 @@ static void set_up_libraries(tribo_sparse *s)
     s->control[UMFPACK_PRL] = 0.0;
     s->control[UMFPACK_ORDERING] = UMFPACK_ORDERING_AMD;
     s->control[UMFPACK_IRSTEP] = 0.0;
+    s->control[UMFPACK_BLOCK_SIZE] = 16.0; /* fronts of contacts are small */
     /* Patterns are symmetric. UMFPACK would see it only with values at hand. */
     s->control[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_SYMMETRIC;
 }

@@ -444,15 +444,12 @@ static system_problem component_problem(const plan *p, uint32_t component)
 
 static goal whole_goal(const plan *p, const tribo_system_options *o)
 {
-    goal out = {o->measure, o->tolerance, 0.0, 0.0, 0.0};
+    const system_problem problem = whole_problem(p);
+    goal out = {o->measure, o->tolerance, certificate_stiffness(&problem), 0.0, 0.0};
     double squares = 0.0;
 
-    for (size_t c = 0; c < p->count; c++) {
-        const double *w = p->diagonal + 9 * c;
-        const double *q = p->q + 3 * c;
-        out.sigma += (w[0] + w[4] + w[8]) / (3.0 * (double)p->count);
-        squares += q[0] * q[0] + q[1] * q[1] + q[2] * q[2];
-    }
+    for (size_t i = 0; i < 3 * (size_t)p->count; i++)
+        squares += p->q[i] * p->q[i];
     out.limit = o->tolerance * sqrt(squares);
     return out;
 }
