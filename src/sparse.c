@@ -1,5 +1,7 @@
 #include <tribo/sparse.h>
 
+#include "bits.h"
+
 #include <float.h>
 #include <limits.h>
 #include <stdlib.h>
@@ -410,9 +412,12 @@ static tribo_status factor_values(tribo_sparse *s, const double *values)
 {
     s->values = values;
     s->factorizations++;
-    const tribo_status status = s->analysis == CHOLMOD ? factor_symmetric(s)
-                                : s->analysis == KLU   ? factor_klu(s)
-                                                       : factor_umfpack(s);
+    /* KLU and UMFPACK meet no pivot that would show what is not finite beside their blocks. */
+    const tribo_status status = !all_finite(values, s->row_starts[s->n])
+                                    ? TRIBO_ERROR_CONTACT_MATRIX
+                                : s->analysis == CHOLMOD ? factor_symmetric(s)
+                                : s->analysis == KLU     ? factor_klu(s)
+                                                         : factor_umfpack(s);
     if (status != TRIBO_OK) {
         drop_factors(s);
     }
