@@ -812,8 +812,8 @@ static void test_wild_general_matrices(void **state)
         }
         residual_velocity(w, b, p, v);
         within((double)fabsl(v[0]), 1.01e-9 * scale);
-        within((double)fabsl(v[1] + (long double)info.nu * p[1]), 1.01e-9 * scale);
-        within((double)fabsl(v[2] + (long double)info.nu * p[2]), 1.01e-9 * scale);
+        within((double)fabsl(v[1] + (long double)info.nu * (long double)p[1]), 1.01e-9 * scale);
+        within((double)fabsl(v[2] + (long double)info.nu * (long double)p[2]), 1.01e-9 * scale);
         solved++;
     }
     settle("wild W: velocities of what is called a solution, 1e-9");
