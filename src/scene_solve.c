@@ -1,0 +1,421 @@
+#include "scene.h"
+
+#define PARTING_TOLERANCE 1e-6 /* of moves that are a share of an overlap anyway */
+#define PARTING_SHARE 0.25
+#define DENSE_UNKNOWNS 192u /* up to here the solvers factor without help */
+
+/* ---- calling tribo_system_solve -------------------------------------------------------------- */
+
+static const tribo_scene_contact *point_at(const scene_run *run, size_t i)
+{
+    return scene_list(&run->scene->points[run->points_to]) + i;
+}
+
+static scene_trace *trace_at(const scene_run *run, size_t i)
+{
+    return (scene_trace *)run->scene->traces.data + i;
+}
+
+static uint32_t pick_at(const scene_run *run, size_t i)
+{
+    return ((const uint32_t *)run->scene->picks.data)[i];
+}
+
+static tribo_status reserve_rows(scene_run *run)
+{
+    tribo_scene *s = run->scene;
+    const size_t n = s->points[run->points_to].count;
+    tribo_status status = scene_reserve(s, &s->rows, n, sizeof(tribo_system_contact));
+    if (status == TRIBO_OK) {
+        status = scene_reserve(s, &s->picks, n, sizeof(uint32_t));
+    }
+    if (status == TRIBO_OK) {
+        status = scene_reserve(s, &s->impulses, 3 * n, sizeof(double));
+    }
+    if (status == TRIBO_OK) {
+        status = scene_reserve(s, &s->velocities, 6 * (size_t)s->end, sizeof(double));
+    }
+    return status;
+}
+
+/* The row of a contact without restitution, in which neither gap nor overlap counts. */
+static tribo_system_contact *lay_row(scene_run *run, size_t row, size_t i)
+{
+    const tribo_scene_contact *c = point_at(run, i);
+    const scene_trace *trace = trace_at(run, i);
+    tribo_system_contact *out = (tribo_system_contact *)run->scene->rows.data + row;
+    ((uint32_t *)run->scene->picks.data)[row] = (uint32_t)i;
+    memset(out, 0, sizeof *out);
+    out->a = c->a;
+    out->b = c->b;
+    out->dimension = trace->pair.mu_s > 0.0 ? 3 : 1;
+    memcpy(out->contact.normal, c->normal, sizeof c->normal);
+    memcpy(out->contact.arm_a, c->arm_a, sizeof c->arm_a);
+    memcpy(out->contact.arm_b, c->arm_b, sizeof c->arm_b);
+    out->pair = trace->pair;
+    out->pair.e = 0.0;
+    out->target[1] = trace->belt[1];
+    out->target[2] = trace->belt[2];
+    return out;
+}
+
+static tribo_status find_linear(scene_run *run, tribo_linear *linear, int *is_needed)
+{
+    tribo_scene *s = run->scene;
+    uint32_t unknowns = 0;
+    for (uint32_t i = 0; i < s->end && unknowns <= DENSE_UNKNOWNS; i++) {
+        unknowns += scene_is_awake(&scene_slots(s)[i]) ? 6u : 0u;
+    }
+    *is_needed = unknowns > DENSE_UNKNOWNS && run->options.solver != TRIBO_SOLVER_GAUSS_SEIDEL;
+    if (!*is_needed) {
+        return TRIBO_OK;
+    }
+    tribo_status status = TRIBO_OK;
+    if (!s->sparse) {
+        status = tribo_sparse_create(TRIBO_SPARSE_SIMPLICIAL, &s->allocator, &s->sparse);
+    }
+    linear->struct_size = sizeof *linear;
+    return status == TRIBO_OK ? tribo_sparse_linear(s->sparse, linear) : status;
+}
+
+static void tell(scene_run *run, const tribo_system_info *info)
+{
+    run->info.sweeps += info->sweeps;
+    run->info.newton_steps += info->steps;
+    run->info.factorizations += info->factorizations;
+}
+
+static void tell_quality(scene_run *run, const tribo_system_info *info)
+{
+    run->info.stop = info->stop > run->info.stop ? info->stop : run->info.stop;
+    run->info.eta = greater(run->info.eta, info->eta);
+    run->info.restitution = lesser(run->info.restitution, info->restitution);
+}
+
+static tribo_status solve(scene_run *run, size_t count, const tribo_body *bodies, uint32_t warm,
+                          double tolerance, tribo_system_info *info)
+{
+    tribo_scene *s = run->scene;
+    tribo_system_options o = {.struct_size = sizeof o};
+    tribo_linear linear = {0};
+    int has_linear = 0;
+    size_t size = 0;
+    memset(info, 0, sizeof *info);
+    info->struct_size = sizeof *info;
+    tribo_status status = find_linear(run, &linear, &has_linear);
+    o.solver = run->options.solver;
+    o.warm_start = warm;
+    o.tasks = run->options.tasks;
+    o.max_iterations = run->options.max_iterations;
+    o.tolerance = tolerance;
+    o.linear = has_linear ? &linear : NULL;
+    o.parallel = run->options.parallel;
+    o.user = run->options.user;
+    if (status == TRIBO_OK) {
+        status = tribo_system_workspace_size(s->end, count, s->rows.data, &o, &size);
+    }
+    if (status == TRIBO_OK) {
+        status = scene_reserve(s, &s->workspace, size, 1);
+    }
+    if (status == TRIBO_OK) {
+        status = tribo_system_solve(s->end, bodies, count, s->rows.data, &o, s->workspace.data,
+                                    s->workspace.bytes, s->impulses.data, s->velocities.data, info);
+    }
+    tell(run, info);
+    return status == TRIBO_ERROR_NOT_FINITE ? TRIBO_ERROR_RANGE : status;
+}
+
+/* Bodies of rows get the velocities of the solution; others keep theirs. */
+static void give_velocities(scene_run *run, size_t count)
+{
+    tribo_scene *s = run->scene;
+    const tribo_system_contact *rows = s->rows.data;
+    const double *velocities = s->velocities.data;
+    for (size_t i = 0; i < 2 * count; i++) {
+        const uint32_t id = i % 2 == 0 ? rows[i / 2].a : rows[i / 2].b;
+        tribo_body *body = &scene_bodies(s)[id];
+        if (scene_slots(s)[id].kind == TRIBO_BODY_DYNAMIC) {
+            memcpy(body->velocity, velocities + 6 * (size_t)id, sizeof body->velocity);
+            memcpy(body->angular_velocity, velocities + 6 * (size_t)id + 3,
+                   sizeof body->angular_velocity);
+        }
+    }
+}
+
+static void to_world(const scene_trace *trace, const double impulse[3], double out[3])
+{
+    tribo_mat3_apply_transposed(trace->frame, impulse, out);
+}
+
+/* ---- impacts --------------------------------------------------------------------------------- */
+
+/* Whether the surfaces meet before the next midpoint, faster than they may without parting. */
+static int is_impact(const scene_run *run, size_t i)
+{
+    const tribo_scene *s = run->scene;
+    const tribo_scene_contact *c = point_at(run, i);
+    double before[3];
+    double after[3];
+    if (!(trace_at(run, i)->pair.e > 0.0)) {
+        return 0;
+    }
+    scene_point_velocity(s, c, NULL, before);
+    scene_point_velocity(s, c, s->kicks.data, after);
+    const double u = tribo_vec3_dot(c->normal, before);
+    const double by_forces = tribo_vec3_dot(c->normal, after) - u;
+    const double threshold =
+        run->options.threshold > 0.0 ? run->options.threshold : greater(-by_forces, 0.0);
+    return u < 0.0 && -u > threshold && c->distance + run->h * (u + by_forces) < 0.0;
+}
+
+static size_t find_impacts(scene_run *run)
+{
+    const size_t count = run->scene->points[run->points_to].count;
+    size_t found = 0;
+    if (run->options.skip & TRIBO_SKIP_RESTITUTION) {
+        return 0;
+    }
+    for (size_t i = 0; i < count; i++) {
+        scene_trace *trace = trace_at(run, i);
+        trace->is_impact = trace->is_active != 0 && is_impact(run, i) ? 1 : 0;
+        found += trace->is_impact;
+    }
+    return found;
+}
+
+static uint32_t island_mark(const scene_run *run, const uint32_t *marks, size_t i)
+{
+    const tribo_scene_contact *c = point_at(run, i);
+    const int own = scene_slots(run->scene)[c->a].kind == TRIBO_BODY_DYNAMIC;
+    return marks[own ? c->a : c->b];
+}
+
+/* Rows of the islands in which something has an impact. */
+static size_t lay_impacts(scene_run *run)
+{
+    tribo_scene *s = run->scene;
+    const uint32_t *marks = s->marks.data;
+    const size_t count = s->points[run->points_to].count;
+    size_t rows = 0;
+    for (size_t i = 0; i < count; i++) {
+        const scene_trace *trace = trace_at(run, i);
+        if (trace->is_active == 0 || island_mark(run, marks, i) == 0) {
+            continue;
+        }
+        tribo_system_contact *row = lay_row(run, rows++, i);
+        if (trace->is_impact != 0) {
+            row->pair.e = trace->pair.e;
+        } else {
+            row->target[0] = -greater(point_at(run, i)->distance, 0.0) / run->h;
+        }
+    }
+    return rows;
+}
+
+tribo_status scene_solve_impacts(scene_run *run)
+{
+    tribo_scene *s = run->scene;
+    tribo_system_info info;
+    const size_t found = find_impacts(run);
+    if (found == 0) {
+        return TRIBO_OK;
+    }
+    tribo_status status = reserve_rows(run);
+    if (status == TRIBO_OK) {
+        status = scene_join_islands(run);
+    }
+    if (status != TRIBO_OK) {
+        return status;
+    }
+    scene_mark_islands(run, s->marks.data);
+    const size_t rows = lay_impacts(run);
+    const double tolerance = run->options.tolerance;
+    status = solve(run, rows, scene_bodies(s), 0, tolerance, &info);
+    if (status != TRIBO_OK) {
+        return status;
+    }
+    give_velocities(run, rows);
+    tell_quality(run, &info);
+    run->info.impact_solves++;
+    run->info.impacts += found;
+    for (size_t i = 0; i < rows; i++) {
+        scene_trace *trace = trace_at(run, pick_at(run, i));
+        const double *impulse = (const double *)s->impulses.data + 3 * i;
+        to_world(trace, impulse, trace->impact);
+        trace->normal += impulse[0];
+    }
+    return TRIBO_OK;
+}
+
+/* ---- contacts that hold ---------------------------------------------------------------------- */
+
+static void lay_contacts(scene_run *run, size_t *rows, uint32_t *warm)
+{
+    tribo_scene *s = run->scene;
+    const size_t count = s->points[run->points_to].count;
+    const int wanted = (run->options.skip & TRIBO_SKIP_WARM_START) == 0;
+    *rows = 0;
+    *warm = 0;
+    for (size_t i = 0; i < count; i++) {
+        const scene_trace *trace = trace_at(run, i);
+        double *start = (double *)s->impulses.data + 3 * *rows;
+        if (trace->is_active == 0) {
+            continue;
+        }
+        tribo_system_contact *row = lay_row(run, (*rows)++, i);
+        row->target[0] = -greater(point_at(run, i)->distance, 0.0) / run->h;
+        for (int k = 0; k < 3; k++) {
+            const int has = wanted && trace->start[0] > 0.0 && (k == 0 || row->dimension == 3);
+            start[k] = has ? trace->start[k] : 0.0;
+        }
+        run->info.frictionless += row->dimension == 1;
+        run->info.matched += start[0] > 0.0;
+        *warm = *warm != 0 || start[0] > 0.0;
+    }
+    run->info.contacts += *rows;
+}
+
+tribo_status scene_solve_contacts(scene_run *run)
+{
+    tribo_scene *s = run->scene;
+    tribo_system_info info;
+    size_t rows = 0;
+    uint32_t warm = 0;
+    tribo_status status = reserve_rows(run);
+    if (status != TRIBO_OK) {
+        return status;
+    }
+    lay_contacts(run, &rows, &warm);
+    if (rows == 0) {
+        return TRIBO_OK;
+    }
+    const double tolerance = run->options.tolerance;
+    status = solve(run, rows, scene_bodies(s), warm, tolerance, &info);
+    if (status != TRIBO_OK) {
+        return status;
+    }
+    give_velocities(run, rows);
+    tell_quality(run, &info);
+    run->info.contact_solves++;
+    for (size_t i = 0; i < rows; i++) {
+        const uint32_t at = pick_at(run, i);
+        scene_trace *trace = trace_at(run, at);
+        const double *impulse = (const double *)s->impulses.data + 3 * i;
+        to_world(trace, impulse, scene_list(&s->points[run->points_to])[at].impulse);
+        trace->normal += impulse[0];
+    }
+    return TRIBO_OK;
+}
+
+/* ---- moving apart what overlaps -------------------------------------------------------------- */
+
+static int find_overlaps(scene_run *run)
+{
+    const size_t count = run->scene->points[run->points_to].count;
+    int found = 0;
+    for (size_t i = 0; i < count; i++) {
+        scene_trace *trace = trace_at(run, i);
+        const double overlap = -point_at(run, i)->distance;
+        trace->is_impact = trace->is_active != 0 && overlap > trace->slop ? 1 : 0;
+        found = found || trace->is_impact != 0;
+        run->info.penetration = greater(run->info.penetration, overlap);
+    }
+    return found;
+}
+
+/* Frictionless rows: what overlaps moves apart by a share, all else comes no nearer than it may. */
+static size_t lay_overlaps(scene_run *run)
+{
+    tribo_scene *s = run->scene;
+    const uint32_t *marks = s->marks.data;
+    const size_t count = s->points[run->points_to].count;
+    const double share = run->options.correction > 0.0 ? run->options.correction : PARTING_SHARE;
+    size_t rows = 0;
+    for (size_t i = 0; i < count; i++) {
+        const tribo_scene_contact *c = point_at(run, i);
+        const scene_trace *trace = trace_at(run, i);
+        double u[3];
+        if (trace->is_active == 0 || island_mark(run, marks, i) == 0) {
+            continue;
+        }
+        tribo_system_contact *row = lay_row(run, rows++, i);
+        row->dimension = 1;
+        row->target[1] = row->target[2] = 0.0;
+        if (trace->is_impact != 0) {
+            row->target[0] = -share * c->distance / run->h;
+        } else {
+            scene_point_velocity(s, c, NULL, u);
+            const double room = greater(c->distance, 0.0) / run->h + tribo_vec3_dot(c->normal, u);
+            row->target[0] = -greater(room, 0.0);
+        }
+    }
+    return rows;
+}
+
+static tribo_status still_bodies(scene_run *run)
+{
+    tribo_scene *s = run->scene;
+    const tribo_status status = scene_reserve(s, &s->still, s->end, sizeof(tribo_body));
+    if (status != TRIBO_OK) {
+        return status;
+    }
+    tribo_body *still = s->still.data;
+    for (uint32_t i = 0; i < s->end; i++) {
+        still[i] = scene_bodies(s)[i];
+        memset(still[i].velocity, 0, sizeof still[i].velocity);
+        memset(still[i].angular_velocity, 0, sizeof still[i].angular_velocity);
+    }
+    return TRIBO_OK;
+}
+
+/* velocities: moves per second, that scene_move_apart applies. */
+tribo_status scene_part_overlaps(scene_run *run, uint32_t *moved)
+{
+    tribo_scene *s = run->scene;
+    tribo_system_info info;
+    *moved = 0;
+    if (!find_overlaps(run) || (run->options.skip & TRIBO_SKIP_CORRECTION)) {
+        return TRIBO_OK;
+    }
+    tribo_status status = reserve_rows(run);
+    if (status == TRIBO_OK) {
+        status = scene_join_islands(run);
+    }
+    if (status == TRIBO_OK) {
+        status = still_bodies(run);
+    }
+    if (status != TRIBO_OK) {
+        return status;
+    }
+    scene_mark_islands(run, s->marks.data);
+    const size_t rows = lay_overlaps(run);
+    status = solve(run, rows, s->still.data, 0, PARTING_TOLERANCE, &info);
+    /* What is squeezed from both sides has no way out: then nothing moves. */
+    if (status == TRIBO_OK && info.stop != TRIBO_STOP_JAM) {
+        *moved = 1;
+        run->info.correction_solves++;
+    }
+    return status;
+}
+
+void scene_move_apart(scene_run *run)
+{
+    tribo_scene *s = run->scene;
+    const double *velocities = s->velocities.data;
+    for (uint32_t i = 0; i < s->end; i++) {
+        const double *v = velocities + 6 * (size_t)i;
+        tribo_body *body = &scene_bodies(s)[i];
+        double turn[3];
+        double q[4];
+        if (!scene_is_awake(&scene_slots(s)[i])) {
+            continue;
+        }
+        tribo_vec3_add_scaled(body->position, run->h, v, body->position);
+        tribo_vec3_scale(run->h, v + 3, turn);
+        if ((turn[0] != 0.0 || turn[1] != 0.0 || turn[2] != 0.0) &&
+            tribo_quat_from_rotation_vector(turn, q) == TRIBO_OK) {
+            tribo_quat_multiply(q, body->orientation, body->orientation);
+            tribo_quat_normalize(body->orientation, body->orientation);
+        }
+    }
+}
