@@ -79,6 +79,8 @@ typedef struct scene_trace {
     double slop;        /* m, overlap that is left alone */
     uint32_t is_active; /* a body of it is awake and dynamic */
     uint32_t is_impact;
+    uint32_t is_marked; /* its island is the concern of the stage that runs */
+    uint32_t reserved;
 } scene_trace;
 
 /* One call of tribo_scene_step. */

@@ -58,7 +58,7 @@ static void spread(const tribo_scene *s, uint32_t *marks)
     }
 }
 
-/* Mark the islands of all contacts that are marked by their traces' is_impact. */
+/* Mark the islands of contacts that are marked. */
 void scene_mark_islands(scene_run *run, uint32_t *marks)
 {
     tribo_scene *s = run->scene;
@@ -67,7 +67,7 @@ void scene_mark_islands(scene_run *run, uint32_t *marks)
     memset(marks, 0, s->end * sizeof *marks);
     for (size_t i = 0; i < points->count; i++) {
         const tribo_scene_contact *c = &scene_list(points)[i];
-        if (traces[i].is_impact != 0) {
+        if (traces[i].is_marked != 0) {
             marks[is_dynamic(s, c->a) ? c->a : c->b] = 1;
         }
     }

@@ -149,7 +149,8 @@ static void to_world(const scene_trace *trace, const double impulse[3], double o
 
 /* ---- impacts --------------------------------------------------------------------------------- */
 
-/* Whether the surfaces meet before the next midpoint, faster than they may without parting. */
+/* Whether the surfaces meet before the next midpoint, faster than they may without parting. The
+ * impact takes place at this one, when half of what forces give has been given. */
 static int is_impact(const scene_run *run, size_t i)
 {
     const tribo_scene *s = run->scene;
@@ -161,11 +162,12 @@ static int is_impact(const scene_run *run, size_t i)
     }
     scene_point_velocity(s, c, NULL, before);
     scene_point_velocity(s, c, s->kicks.data, after);
-    const double u = tribo_vec3_dot(c->normal, before);
-    const double by_forces = tribo_vec3_dot(c->normal, after) - u;
+    const double start = tribo_vec3_dot(c->normal, before);
+    const double end = tribo_vec3_dot(c->normal, after);
+    const double approach = -0.5 * (start + end);
     const double threshold =
-        run->options.threshold > 0.0 ? run->options.threshold : greater(-by_forces, 0.0);
-    return u < 0.0 && -u > threshold && c->distance + run->h * (u + by_forces) < 0.0;
+        run->options.threshold > 0.0 ? run->options.threshold : greater(start - end, 0.0);
+    return approach > threshold && c->distance + run->h * end < 0.0;
 }
 
 static size_t find_impacts(scene_run *run)
@@ -178,6 +180,7 @@ static size_t find_impacts(scene_run *run)
     for (size_t i = 0; i < count; i++) {
         scene_trace *trace = trace_at(run, i);
         trace->is_impact = trace->is_active != 0 && is_impact(run, i) ? 1 : 0;
+        trace->is_marked = trace->is_impact;
         found += trace->is_impact;
     }
     return found;
@@ -212,6 +215,24 @@ static size_t lay_impacts(scene_run *run)
     return rows;
 }
 
+/* Half of the forces act before the impact; the other half is left for after it. */
+static void push_marked(scene_run *run)
+{
+    tribo_scene *s = run->scene;
+    const uint32_t *marks = s->marks.data;
+    double *kicks = s->kicks.data;
+    for (uint32_t i = 0; i < s->end; i++) {
+        tribo_body *body = &scene_bodies(s)[i];
+        double *kick = kicks + 6 * (size_t)i;
+        if (marks[i] != 0 && scene_is_awake(&scene_slots(s)[i])) {
+            tribo_vec3_scale(0.5, kick, kick);
+            tribo_vec3_scale(0.5, kick + 3, kick + 3);
+            tribo_vec3_add(body->velocity, kick, body->velocity);
+            tribo_vec3_add(body->angular_velocity, kick + 3, body->angular_velocity);
+        }
+    }
+}
+
 tribo_status scene_solve_impacts(scene_run *run)
 {
     tribo_scene *s = run->scene;
@@ -228,6 +249,7 @@ tribo_status scene_solve_impacts(scene_run *run)
         return status;
     }
     scene_mark_islands(run, s->marks.data);
+    push_marked(run);
     const size_t rows = lay_impacts(run);
     const double tolerance = run->options.tolerance;
     status = solve(run, rows, scene_bodies(s), 0, tolerance, &info);
@@ -309,6 +331,16 @@ tribo_status scene_solve_contacts(scene_run *run)
 
 /* ---- moving apart what overlaps -------------------------------------------------------------- */
 
+/* Distance at the next midpoint, if nothing is moved apart. */
+static double distance_then(const scene_run *run, size_t i)
+{
+    const tribo_scene_contact *c = point_at(run, i);
+    double u[3];
+    scene_point_velocity(run->scene, c, NULL, u);
+    return c->distance + run->h * tribo_vec3_dot(c->normal, u);
+}
+
+/* Overlaps that do not go away by themselves. */
 static int find_overlaps(scene_run *run)
 {
     const size_t count = run->scene->points[run->points_to].count;
@@ -316,8 +348,11 @@ static int find_overlaps(scene_run *run)
     for (size_t i = 0; i < count; i++) {
         scene_trace *trace = trace_at(run, i);
         const double overlap = -point_at(run, i)->distance;
-        trace->is_impact = trace->is_active != 0 && overlap > trace->slop ? 1 : 0;
-        found = found || trace->is_impact != 0;
+        trace->is_marked =
+            trace->is_active != 0 && overlap > trace->slop && -distance_then(run, i) > trace->slop
+                ? 1
+                : 0;
+        found = found || trace->is_marked != 0;
         run->info.penetration = greater(run->info.penetration, overlap);
     }
     return found;
@@ -332,22 +367,16 @@ static size_t lay_overlaps(scene_run *run)
     const double share = run->options.correction > 0.0 ? run->options.correction : PARTING_SHARE;
     size_t rows = 0;
     for (size_t i = 0; i < count; i++) {
-        const tribo_scene_contact *c = point_at(run, i);
         const scene_trace *trace = trace_at(run, i);
-        double u[3];
         if (trace->is_active == 0 || island_mark(run, marks, i) == 0) {
             continue;
         }
         tribo_system_contact *row = lay_row(run, rows++, i);
+        const double then = distance_then(run, i);
         row->dimension = 1;
         row->target[1] = row->target[2] = 0.0;
-        if (trace->is_impact != 0) {
-            row->target[0] = -share * c->distance / run->h;
-        } else {
-            scene_point_velocity(s, c, NULL, u);
-            const double room = greater(c->distance, 0.0) / run->h + tribo_vec3_dot(c->normal, u);
-            row->target[0] = -greater(room, 0.0);
-        }
+        row->target[0] =
+            trace->is_marked != 0 ? -share * then / run->h : -greater(then, 0.0) / run->h;
     }
     return rows;
 }
