@@ -239,16 +239,41 @@ static old_points find_old(const scene_run *run, uint32_t a, uint32_t b, size_t 
     return out;
 }
 
+/* The old point of the same features; or the nearest one, where rounding has two bodies take turns in
+ * whose face clips the other's. Null if there is none. */
+static const tribo_scene_contact *find_same(const old_points *old, const tribo_scene_contact *c,
+                                            double near)
+{
+    const tribo_scene_contact *best = NULL;
+    double least = near;
+    for (size_t i = 0; i < old->count; i++) {
+        const tribo_scene_contact *o = &old->first[i];
+        double way[3];
+        if (o->child_a != c->child_a || o->child_b != c->child_b) {
+            continue;
+        }
+        if (o->id == c->id) {
+            return o;
+        }
+        tribo_vec3_subtract(o->arm_a, c->arm_a, way);
+        const double distance = tribo_vec3_norm(way);
+        if (distance < least) {
+            least = distance;
+            best = o;
+        }
+    }
+    return best;
+}
+
 static void recall_impulse(const scene_run *run, const old_points *old,
                            const tribo_scene_contact *c, double impulse[3])
 {
+    const scene_slot *slots = scene_slots(run->scene);
+    const double radius = lesser(slots[c->a].radius, slots[c->b].radius);
+    const tribo_scene_contact *same = find_same(old, c, NEAR * radius);
     impulse[0] = impulse[1] = impulse[2] = 0.0;
-    for (size_t i = 0; i < old->count; i++) {
-        const tribo_scene_contact *o = &old->first[i];
-        if (o->id == c->id && o->child_a == c->child_a && o->child_b == c->child_b) {
-            tribo_vec3_scale(run->h / run->scene->last_h, o->impulse, impulse);
-            return;
-        }
+    if (same) {
+        tribo_vec3_scale(run->h / run->scene->last_h, same->impulse, impulse);
     }
 }
 

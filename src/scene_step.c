@@ -1,7 +1,7 @@
 #include "scene.h"
 
 #define MAX_SUBSTEPS 0x100000u
-#define TOLERANCE 1e-10
+#define TOLERANCE 1e-12
 
 /* ---- options --------------------------------------------------------------------------------- */
 
@@ -220,9 +220,12 @@ static tribo_status keep_state(tribo_scene *s)
 
 static void take_back(tribo_scene *s, double last_h)
 {
+    s->last_h = last_h;
+    if (s->end == 0) {
+        return;
+    }
     memcpy(s->slots.data, s->kept_slots.data, s->end * sizeof(scene_slot));
     memcpy(s->bodies.data, s->kept_bodies.data, s->end * sizeof(tribo_body));
-    s->last_h = last_h;
     for (uint32_t i = 0; i < s->end; i++) {
         const scene_slot *slot = &scene_slots(s)[i];
         if (slot->used != 0) {

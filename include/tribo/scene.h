@@ -165,7 +165,7 @@ typedef struct tribo_step_options {
     uint32_t solver;         /**< TRIBO_SOLVER_... */
     uint32_t skip;           /**< TRIBO_SKIP_..., or'ed */
     uint64_t max_iterations; /**< as in tribo_system_options */
-    double tolerance;        /**< the same; 0: 1e-10 */
+    double tolerance;        /**< the same; 0: 1e-12 */
     double margin;      /**< m: surfaces that are so near count as contacts, even if they do not
                                   come closer. 0: 1/64 of the lesser radius of the two bodies */
     double threshold;   /**< m/s: slower approaches are plastic. 0: what forces add to the
