@@ -63,7 +63,7 @@ struct tribo_scene {
 
     /* Scratch. */
     scene_buffer kept_slots, kept_bodies;
-    scene_buffer kicks, reaches, pairs, manifolds, parents, marks;
+    scene_buffer kicks, pushed, reaches, pairs, manifolds, parents, marks;
     scene_buffer traces, rows, picks, impulses, velocities, still, workspace;
 };
 
@@ -74,13 +74,12 @@ typedef struct scene_trace {
     double start[3];    /* impulse to start from, contact coordinates */
     double impact[3];   /* impulse of the impact stage, world axes */
     double normal;      /* sum of normal impulses */
-    double margin;      /* so near counts as touching, m */
     double belt[3];     /* belt of B less that of A, contact coordinates */
     double slop;        /* m, overlap that is left alone */
     uint32_t is_active; /* a body of it is awake and dynamic */
-    uint32_t is_impact;
+    uint32_t is_impact; /* it waits for an impact */
+    uint32_t impacts;   /* that it had */
     uint32_t is_marked; /* its island is the concern of the stage that runs */
-    uint32_t reserved;
 } scene_trace;
 
 /* One call of tribo_scene_step. */

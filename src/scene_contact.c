@@ -139,22 +139,6 @@ void scene_point_velocity(const tribo_scene *s, const tribo_scene_contact *c, co
     add_velocity(s, c->b, c->arm_b, kicks, -1.0, u);
 }
 
-static int may_touch(const scene_run *run, const tribo_scene_contact *c, double margin)
-{
-    double now[3];
-    double then[3];
-    if (run->options.skip & TRIBO_SKIP_SPECULATION) {
-        return c->distance <= 0.0;
-    }
-    if (c->distance <= margin) {
-        return 1;
-    }
-    scene_point_velocity(run->scene, c, NULL, now);
-    scene_point_velocity(run->scene, c, run->scene->kicks.data, then);
-    const double u = lesser(tribo_vec3_dot(c->normal, now), tribo_vec3_dot(c->normal, then));
-    return c->distance + run->h * u <= 0.0;
-}
-
 static void add_belt(const tribo_scene *s, uint32_t i, double sign, double sum[3])
 {
     const double *belt = scene_slots(s)[i].belt;
@@ -183,7 +167,6 @@ static tribo_status fill_trace(const scene_run *run, const tribo_scene_contact *
     add_belt(s, c->a, -1.0, belt);
     tribo_mat3_apply(trace->frame, belt, trace->belt);
     tribo_mat3_apply(trace->frame, impulse, trace->start);
-    trace->margin = margin_of(run, radius);
     trace->slop = SLOP * radius;
     return status;
 }
@@ -278,10 +261,10 @@ static void recall_impulse(const scene_run *run, const old_points *old,
 }
 
 static tribo_status keep_manifold(scene_run *run, const uint32_t pair[2],
-                                  const tribo_manifold *manifold, double margin,
-                                  const old_points *old)
+                                  const tribo_manifold *manifold, const old_points *old)
 {
     const tribo_scene *s = run->scene;
+    const int speculates = (run->options.skip & TRIBO_SKIP_SPECULATION) == 0;
     tribo_status status = TRIBO_OK;
     for (uint32_t i = 0; status == TRIBO_OK && i < manifold->count; i++) {
         const tribo_point *point = &manifold->points[i];
@@ -307,7 +290,7 @@ static tribo_status keep_manifold(scene_run *run, const uint32_t pair[2],
                 tribo_vec3_add(arms[side], arm, arms[side]);
             }
         }
-        if (may_touch(run, &c, margin)) {
+        if (speculates || c.distance <= 0.0) {
             recall_impulse(run, old, &c, impulse);
             status = keep_point(run, &c, impulse);
         }
@@ -373,7 +356,7 @@ static tribo_status do_pair(scene_run *run, const uint32_t pair[2], size_t *at)
     status = collide_pair(run, pair, margin, &count);
     for (uint32_t i = 0; status == TRIBO_OK && i < count; i++) {
         const tribo_manifold *manifold = (const tribo_manifold *)s->manifolds.data + i;
-        status = keep_manifold(run, pair, manifold, margin, &old);
+        status = keep_manifold(run, pair, manifold, &old);
     }
     return status;
 }

@@ -24,7 +24,7 @@ static int sum_pair(const scene_run *run, size_t *at, tribo_scene_event *event)
     for (; *at < points->count && c->a == event->a && c->b == event->b; ++*at, c++) {
         const scene_trace *trace = (const scene_trace *)s->traces.data + *at;
         touch = touch || c->distance <= 0.0 || trace->normal > 0.0;
-        event->impacts += trace->is_impact;
+        event->impacts += trace->impacts;
         event->normal += trace->normal;
         tribo_vec3_add(event->impulse, c->impulse, event->impulse);
         tribo_vec3_add(event->impulse, trace->impact, event->impulse);

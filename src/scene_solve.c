@@ -2,6 +2,7 @@
 
 #define PARTING_TOLERANCE 1e-6 /* of moves that are a share of an overlap anyway */
 #define PARTING_SHARE 0.25
+#define MAX_PASSES 16
 #define DENSE_UNKNOWNS 192u /* up to here the solvers factor without help */
 
 /* ---- calling tribo_system_solve -------------------------------------------------------------- */
@@ -181,6 +182,7 @@ static size_t find_impacts(scene_run *run)
         scene_trace *trace = trace_at(run, i);
         trace->is_impact = trace->is_active != 0 && is_impact(run, i) ? 1 : 0;
         trace->is_marked = trace->is_impact;
+        trace->impacts += trace->is_impact;
         found += trace->is_impact;
     }
     return found;
@@ -193,7 +195,8 @@ static uint32_t island_mark(const scene_run *run, const uint32_t *marks, size_t 
     return marks[own ? c->a : c->b];
 }
 
-/* Rows of the islands in which something has an impact. */
+/* Rows of the islands in which something has an impact: that, and contacts that are closed. What an
+ * impact sends across a gap has one of its own in the next pass. */
 static size_t lay_impacts(scene_run *run)
 {
     tribo_scene *s = run->scene;
@@ -202,29 +205,28 @@ static size_t lay_impacts(scene_run *run)
     size_t rows = 0;
     for (size_t i = 0; i < count; i++) {
         const scene_trace *trace = trace_at(run, i);
-        if (trace->is_active == 0 || island_mark(run, marks, i) == 0) {
-            continue;
-        }
-        tribo_system_contact *row = lay_row(run, rows++, i);
-        if (trace->is_impact != 0) {
-            row->pair.e = trace->pair.e;
-        } else {
-            row->target[0] = -greater(point_at(run, i)->distance, 0.0) / run->h;
+        const int is_closed = point_at(run, i)->distance <= trace->slop;
+        if (trace->is_active != 0 && island_mark(run, marks, i) != 0 &&
+            (trace->is_impact != 0 || is_closed)) {
+            tribo_system_contact *row = lay_row(run, rows++, i);
+            row->pair.e = trace->is_impact != 0 ? trace->pair.e : 0.0;
         }
     }
     return rows;
 }
 
-/* Half of the forces act before the impact; the other half is left for after it. */
+/* Half of the forces act before the impacts; the other half is left for after them. */
 static void push_marked(scene_run *run)
 {
     tribo_scene *s = run->scene;
     const uint32_t *marks = s->marks.data;
+    uint32_t *pushed = s->pushed.data;
     double *kicks = s->kicks.data;
     for (uint32_t i = 0; i < s->end; i++) {
         tribo_body *body = &scene_bodies(s)[i];
         double *kick = kicks + 6 * (size_t)i;
-        if (marks[i] != 0 && scene_is_awake(&scene_slots(s)[i])) {
+        if (marks[i] != 0 && pushed[i] == 0 && scene_is_awake(&scene_slots(s)[i])) {
+            pushed[i] = 1;
             tribo_vec3_scale(0.5, kick, kick);
             tribo_vec3_scale(0.5, kick + 3, kick + 3);
             tribo_vec3_add(body->velocity, kick, body->velocity);
@@ -233,43 +235,75 @@ static void push_marked(scene_run *run)
     }
 }
 
-tribo_status scene_solve_impacts(scene_run *run)
+static void take_impacts(scene_run *run, size_t rows)
+{
+    const double *impulses = run->scene->impulses.data;
+    for (size_t i = 0; i < rows; i++) {
+        scene_trace *trace = trace_at(run, pick_at(run, i));
+        double impulse[3];
+        to_world(trace, impulses + 3 * i, impulse);
+        tribo_vec3_add(trace->impact, impulse, trace->impact);
+        trace->normal += impulses[3 * i];
+    }
+}
+
+static tribo_status do_impacts(scene_run *run)
 {
     tribo_scene *s = run->scene;
     tribo_system_info info;
-    const size_t found = find_impacts(run);
-    if (found == 0) {
-        return TRIBO_OK;
-    }
-    tribo_status status = reserve_rows(run);
-    if (status == TRIBO_OK) {
-        status = scene_join_islands(run);
-    }
-    if (status != TRIBO_OK) {
-        return status;
-    }
     scene_mark_islands(run, s->marks.data);
     push_marked(run);
     const size_t rows = lay_impacts(run);
-    const double tolerance = run->options.tolerance;
-    status = solve(run, rows, scene_bodies(s), 0, tolerance, &info);
-    if (status != TRIBO_OK) {
-        return status;
+    const tribo_status status = solve(run, rows, scene_bodies(s), 0, run->options.tolerance, &info);
+    if (status == TRIBO_OK) {
+        give_velocities(run, rows);
+        tell_quality(run, &info);
+        take_impacts(run, rows);
+        run->info.impact_solves++;
     }
-    give_velocities(run, rows);
-    tell_quality(run, &info);
-    run->info.impact_solves++;
-    run->info.impacts += found;
-    for (size_t i = 0; i < rows; i++) {
-        scene_trace *trace = trace_at(run, pick_at(run, i));
-        const double *impulse = (const double *)s->impulses.data + 3 * i;
-        to_world(trace, impulse, trace->impact);
-        trace->normal += impulse[0];
+    return status;
+}
+
+static tribo_status reserve_impacts(scene_run *run)
+{
+    tribo_scene *s = run->scene;
+    tribo_status status = reserve_rows(run);
+    if (status == TRIBO_OK) {
+        status = scene_reserve(s, &s->pushed, s->end, sizeof(uint32_t));
     }
-    return TRIBO_OK;
+    if (status == TRIBO_OK) {
+        memset(s->pushed.data, 0, s->end * sizeof(uint32_t));
+        status = scene_join_islands(run);
+    }
+    return status;
+}
+
+/* One impact may lead to the next. What the last pass leaves goes on in the next sub-step. */
+tribo_status scene_solve_impacts(scene_run *run)
+{
+    tribo_status status = TRIBO_OK;
+    size_t found = find_impacts(run);
+    if (found > 0) {
+        status = reserve_impacts(run);
+    }
+    for (int pass = 0; status == TRIBO_OK && found > 0 && pass < MAX_PASSES; pass++) {
+        run->info.impacts += found;
+        status = do_impacts(run);
+        found = find_impacts(run);
+    }
+    return status;
 }
 
 /* ---- contacts that hold ---------------------------------------------------------------------- */
+
+/* Distance at the next midpoint, if nothing changes velocities. */
+static double distance_then(const scene_run *run, size_t i)
+{
+    const tribo_scene_contact *c = point_at(run, i);
+    double u[3];
+    scene_point_velocity(run->scene, c, NULL, u);
+    return c->distance + run->h * tribo_vec3_dot(c->normal, u);
+}
 
 static void lay_contacts(scene_run *run, size_t *rows, uint32_t *warm)
 {
@@ -281,7 +315,7 @@ static void lay_contacts(scene_run *run, size_t *rows, uint32_t *warm)
     for (size_t i = 0; i < count; i++) {
         const scene_trace *trace = trace_at(run, i);
         double *start = (double *)s->impulses.data + 3 * *rows;
-        if (trace->is_active == 0) {
+        if (trace->is_active == 0 || trace->is_impact != 0) {
             continue;
         }
         tribo_system_contact *row = lay_row(run, (*rows)++, i);
@@ -297,20 +331,34 @@ static void lay_contacts(scene_run *run, size_t *rows, uint32_t *warm)
     run->info.contacts += *rows;
 }
 
+/* Whether any contact would not hold by itself; a gap that may be closed is none of them. */
+static int is_needed(const scene_run *run)
+{
+    const size_t count = run->scene->points[run->points_to].count;
+    for (size_t i = 0; i < count; i++) {
+        const scene_trace *trace = trace_at(run, i);
+        if (trace->is_active != 0 && trace->is_impact == 0 &&
+            distance_then(run, i) < lesser(point_at(run, i)->distance, 0.0)) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
 tribo_status scene_solve_contacts(scene_run *run)
 {
     tribo_scene *s = run->scene;
     tribo_system_info info;
     size_t rows = 0;
     uint32_t warm = 0;
+    if (!is_needed(run)) {
+        return TRIBO_OK;
+    }
     tribo_status status = reserve_rows(run);
     if (status != TRIBO_OK) {
         return status;
     }
     lay_contacts(run, &rows, &warm);
-    if (rows == 0) {
-        return TRIBO_OK;
-    }
     const double tolerance = run->options.tolerance;
     status = solve(run, rows, scene_bodies(s), warm, tolerance, &info);
     if (status != TRIBO_OK) {
@@ -330,15 +378,6 @@ tribo_status scene_solve_contacts(scene_run *run)
 }
 
 /* ---- moving apart what overlaps -------------------------------------------------------------- */
-
-/* Distance at the next midpoint, if nothing is moved apart. */
-static double distance_then(const scene_run *run, size_t i)
-{
-    const tribo_scene_contact *c = point_at(run, i);
-    double u[3];
-    scene_point_velocity(run->scene, c, NULL, u);
-    return c->distance + run->h * tribo_vec3_dot(c->normal, u);
-}
 
 /* Overlaps that do not go away by themselves. */
 static int find_overlaps(scene_run *run)
