@@ -404,6 +404,7 @@ static stack make_stack(int boxes, double ratio)
 
 static void test_stacks_rest(void **state)
 {
+    /* A residual of 1e-12 is one of the greatest impulse: it may move the lightest body by that. */
     static const struct {
         int boxes;
         double ratio;
@@ -412,6 +413,7 @@ static void test_stacks_rest(void **state)
     (void)state;
     for (int k = 0; k < 5; k++) {
         const int boxes = cases[k].boxes;
+        const double residual = 1e-12 * fmax(cases[k].ratio, boxes) * G * dt;
         const stack s = make_stack(boxes, cases[k].ratio);
         tribo_scene_event events[32];
         size_t count = 0;
@@ -427,8 +429,8 @@ static void test_stacks_rest(void **state)
                       "in 600 steps\n",
                       boxes, cases[k].ratio, hypot(top.position[0], top.position[1]),
                       top.position[2] - (boxes - 0.5), (int)rest.sweeps, (int)rest.newton_steps);
-        within(hypot(top.position[0], top.position[1]), 1e-9 * cases[k].ratio);
-        within(fabs(top.position[2] - (boxes - 0.5)), 1e-8);
+        within(hypot(top.position[0], top.position[1]), residual * 600.0 * dt * boxes);
+        within(fabs(top.position[2] - (boxes - 0.5)), (residual * 600.0 * dt + 1e-9) * boxes);
         double above = s.mass;
         for (int i = 0; i < boxes; i++) {
             const double weight = above * G * dt;
@@ -488,7 +490,7 @@ static void test_encounters_conserve(void **state)
         within(change.linear, 64.0 * EPS);
         within(change.angular, 64.0 * EPS);
         within(fmax(change.energy, 0.0), 64.0 * EPS);
-        within(k < 200 ? fmax(-change.energy, 0.0) : 0.0, 64.0 * EPS);
+        within(k < 200 ? fmax(-change.energy, 0.0) : 0.0, 1e-12); /* of the solver */
         tribo_scene_destroy(scene);
     }
     print_message("# %d of 1000 pairs met\n", met);
