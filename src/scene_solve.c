@@ -1,6 +1,7 @@
 #include "scene.h"
 
-#define PARTING_TOLERANCE 1e-6 /* of moves that are a share of an overlap anyway */
+#define PARTING_TOLERANCE 1e-6 /* of moves that are a share of an overlap anyway, */
+#define PARTING_SWEEPS 64u     /* and that the next sub-step goes on with */
 #define PARTING_SHARE 0.25
 #define MAX_PASSES 16
 #define DENSE_UNKNOWNS 192u /* up to here the solvers factor without help */
@@ -60,14 +61,15 @@ static tribo_system_contact *lay_row(scene_run *run, size_t row, size_t i)
     return out;
 }
 
-static tribo_status find_linear(scene_run *run, tribo_linear *linear, int *is_needed)
+static tribo_status find_linear(scene_run *run, uint32_t solver, tribo_linear *linear,
+                                int *is_needed)
 {
     tribo_scene *s = run->scene;
     uint32_t unknowns = 0;
     for (uint32_t i = 0; i < s->end && unknowns <= DENSE_UNKNOWNS; i++) {
         unknowns += scene_is_awake(&scene_slots(s)[i]) ? 6u : 0u;
     }
-    *is_needed = unknowns > DENSE_UNKNOWNS && run->options.solver != TRIBO_SOLVER_GAUSS_SEIDEL;
+    *is_needed = unknowns > DENSE_UNKNOWNS && solver != TRIBO_SOLVER_GAUSS_SEIDEL;
     if (!*is_needed) {
         return TRIBO_OK;
     }
@@ -93,22 +95,20 @@ static void tell_quality(scene_run *run, const tribo_system_info *info)
     run->info.restitution = lesser(run->info.restitution, info->restitution);
 }
 
-static tribo_status solve(scene_run *run, size_t count, const tribo_body *bodies, uint32_t warm,
-                          double tolerance, tribo_system_info *info)
+/* `by`: what the problem asks of the solver; all else is filled in. */
+static tribo_status solve(scene_run *run, size_t count, const tribo_body *bodies,
+                          const tribo_system_options *by, tribo_system_info *info)
 {
     tribo_scene *s = run->scene;
-    tribo_system_options o = {.struct_size = sizeof o};
+    tribo_system_options o = *by;
     tribo_linear linear = {0};
     int has_linear = 0;
     size_t size = 0;
     memset(info, 0, sizeof *info);
     info->struct_size = sizeof *info;
-    tribo_status status = find_linear(run, &linear, &has_linear);
-    o.solver = run->options.solver;
-    o.warm_start = warm;
+    tribo_status status = find_linear(run, o.solver, &linear, &has_linear);
+    o.struct_size = sizeof o;
     o.tasks = run->options.tasks;
-    o.max_iterations = run->options.max_iterations;
-    o.tolerance = tolerance;
     o.linear = has_linear ? &linear : NULL;
     o.parallel = run->options.parallel;
     o.user = run->options.user;
@@ -124,6 +124,16 @@ static tribo_status solve(scene_run *run, size_t count, const tribo_body *bodies
     }
     tell(run, info);
     return status == TRIBO_ERROR_NOT_FINITE ? TRIBO_ERROR_RANGE : status;
+}
+
+/* What impacts and contacts ask of the solver. */
+static tribo_system_options asked(const scene_run *run, uint32_t warm)
+{
+    const tribo_system_options out = {.solver = run->options.solver,
+                                      .warm_start = warm,
+                                      .max_iterations = run->options.max_iterations,
+                                      .tolerance = run->options.tolerance};
+    return out;
 }
 
 /* Bodies of rows get the velocities of the solution; others keep theirs. */
@@ -251,10 +261,11 @@ static tribo_status do_impacts(scene_run *run)
 {
     tribo_scene *s = run->scene;
     tribo_system_info info;
+    const tribo_system_options by = asked(run, 0);
     scene_mark_islands(run, s->marks.data);
     push_marked(run);
     const size_t rows = lay_impacts(run);
-    const tribo_status status = solve(run, rows, scene_bodies(s), 0, run->options.tolerance, &info);
+    const tribo_status status = solve(run, rows, scene_bodies(s), &by, &info);
     if (status == TRIBO_OK) {
         give_velocities(run, rows);
         tell_quality(run, &info);
@@ -359,8 +370,8 @@ tribo_status scene_solve_contacts(scene_run *run)
         return status;
     }
     lay_contacts(run, &rows, &warm);
-    const double tolerance = run->options.tolerance;
-    status = solve(run, rows, scene_bodies(s), warm, tolerance, &info);
+    const tribo_system_options by = asked(run, warm);
+    status = solve(run, rows, scene_bodies(s), &by, &info);
     if (status != TRIBO_OK) {
         return status;
     }
@@ -441,6 +452,9 @@ tribo_status scene_part_overlaps(scene_run *run, uint32_t *moved)
 {
     tribo_scene *s = run->scene;
     tribo_system_info info;
+    const tribo_system_options by = {.solver = TRIBO_SOLVER_GAUSS_SEIDEL,
+                                     .max_iterations = PARTING_SWEEPS,
+                                     .tolerance = PARTING_TOLERANCE};
     *moved = 0;
     if (!find_overlaps(run) || (run->options.skip & TRIBO_SKIP_CORRECTION)) {
         return TRIBO_OK;
@@ -457,7 +471,7 @@ tribo_status scene_part_overlaps(scene_run *run, uint32_t *moved)
     }
     scene_mark_islands(run, s->marks.data);
     const size_t rows = lay_overlaps(run);
-    status = solve(run, rows, s->still.data, 0, PARTING_TOLERANCE, &info);
+    status = solve(run, rows, s->still.data, &by, &info);
     /* What is squeezed from both sides has no way out: then nothing moves. */
     if (status == TRIBO_OK && info.stop != TRIBO_STOP_JAM) {
         *moved = 1;

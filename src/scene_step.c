@@ -2,6 +2,7 @@
 
 #define MAX_SUBSTEPS 0x100000u
 #define TOLERANCE 1e-12
+#define MAX_ITERATIONS 1000u
 
 /* ---- options --------------------------------------------------------------------------------- */
 
@@ -50,6 +51,8 @@ static tribo_status start_run(tribo_scene *scene, double dt, const tribo_step_op
     run->scene = scene;
     run->options.substeps = run->options.substeps > 0 ? run->options.substeps : 1;
     run->options.tolerance = run->options.tolerance > 0.0 ? run->options.tolerance : TOLERANCE;
+    run->options.max_iterations =
+        run->options.max_iterations > 0 ? run->options.max_iterations : MAX_ITERATIONS;
     run->h = dt / (double)run->options.substeps;
     run->info.restitution = 1.0;
     run->points_from = scene->points_now;

@@ -164,7 +164,7 @@ typedef struct tribo_step_options {
     uint32_t substeps;       /**< 0 counts as 1; at most 2^20 */
     uint32_t solver;         /**< TRIBO_SOLVER_... */
     uint32_t skip;           /**< TRIBO_SKIP_..., or'ed */
-    uint64_t max_iterations; /**< as in tribo_system_options */
+    uint64_t max_iterations; /**< of tribo_system_options; 0: 1000 */
     double tolerance;        /**< the same; 0: 1e-12 */
     double margin;      /**< m: surfaces that are so near count as contacts, even if they do not
                                   come closer. 0: 1/64 of the lesser radius of the two bodies */
