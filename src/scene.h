@@ -75,10 +75,12 @@ typedef struct scene_trace {
     double impact[3];   /* impulse of the impact stage, world axes */
     double normal;      /* sum of normal impulses */
     double belt[3];     /* belt of B less that of A, contact coordinates */
+    double margin;      /* m, so near it is held in any case */
     double slop;        /* m, overlap that is left alone */
     uint32_t is_active; /* a body of it is awake and dynamic */
     uint32_t is_impact; /* it waits for an impact */
     uint32_t impacts;   /* that it had */
+    uint32_t is_held;   /* the contact solve has it */
     uint32_t is_marked; /* its island is the concern of the stage that runs */
 } scene_trace;
 

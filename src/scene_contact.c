@@ -167,6 +167,7 @@ static tribo_status fill_trace(const scene_run *run, const tribo_scene_contact *
     add_belt(s, c->a, -1.0, belt);
     tribo_mat3_apply(trace->frame, belt, trace->belt);
     tribo_mat3_apply(trace->frame, impulse, trace->start);
+    trace->margin = margin_of(run, radius);
     trace->slop = SLOP * radius;
     return status;
 }

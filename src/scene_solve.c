@@ -1,7 +1,7 @@
 #include "scene.h"
 
 #define PARTING_TOLERANCE 1e-6 /* of moves that are a share of an overlap anyway, */
-#define PARTING_SWEEPS 64u     /* and that the next sub-step goes on with */
+#define PARTING_ITERATIONS 32u /* and that the next sub-step goes on with */
 #define PARTING_SHARE 0.25
 #define MAX_PASSES 16
 #define DENSE_UNKNOWNS 192u /* up to here the solvers factor without help */
@@ -316,30 +316,54 @@ static double distance_then(const scene_run *run, size_t i)
     return c->distance + run->h * tribo_vec3_dot(c->normal, u);
 }
 
-static void lay_contacts(scene_run *run, size_t *rows, uint32_t *warm)
+/* Hold what is near, and what surfaces would pass through. Returns how many were not held before. */
+static size_t hold_more(scene_run *run)
+{
+    const size_t count = run->scene->points[run->points_to].count;
+    size_t more = 0;
+    for (size_t i = 0; i < count; i++) {
+        scene_trace *trace = trace_at(run, i);
+        if (trace->is_active == 0 || trace->is_impact != 0 || trace->is_held != 0) {
+            continue;
+        }
+        trace->is_held = distance_then(run, i) < -trace->slop ? 1 : 0;
+        more += trace->is_held;
+    }
+    return more;
+}
+
+static void hold_near(scene_run *run)
+{
+    const size_t count = run->scene->points[run->points_to].count;
+    for (size_t i = 0; i < count; i++) {
+        scene_trace *trace = trace_at(run, i);
+        trace->is_held = trace->is_active != 0 && trace->is_impact == 0 &&
+                                 point_at(run, i)->distance <= trace->margin
+                             ? 1
+                             : 0;
+    }
+}
+
+/* Rows of the contacts that are held, with impulses to start from. Returns their number. */
+static size_t lay_contacts(scene_run *run)
 {
     tribo_scene *s = run->scene;
     const size_t count = s->points[run->points_to].count;
-    const int wanted = (run->options.skip & TRIBO_SKIP_WARM_START) == 0;
-    *rows = 0;
-    *warm = 0;
+    size_t rows = 0;
     for (size_t i = 0; i < count; i++) {
         const scene_trace *trace = trace_at(run, i);
-        double *start = (double *)s->impulses.data + 3 * *rows;
-        if (trace->is_active == 0 || trace->is_impact != 0) {
+        double *start = (double *)s->impulses.data + 3 * rows;
+        if (trace->is_held == 0) {
             continue;
         }
-        tribo_system_contact *row = lay_row(run, (*rows)++, i);
+        tribo_system_contact *row = lay_row(run, rows++, i);
         row->target[0] = -greater(point_at(run, i)->distance, 0.0) / run->h;
         for (int k = 0; k < 3; k++) {
-            const int has = wanted && trace->start[0] > 0.0 && (k == 0 || row->dimension == 3);
+            const int has = trace->start[0] > 0.0 && (k == 0 || row->dimension == 3);
             start[k] = has ? trace->start[k] : 0.0;
         }
-        run->info.frictionless += row->dimension == 1;
-        run->info.matched += start[0] > 0.0;
-        *warm = *warm != 0 || start[0] > 0.0;
     }
-    run->info.contacts += *rows;
+    return rows;
 }
 
 /* Whether any contact would not hold by itself; a gap that may be closed is none of them. */
@@ -356,36 +380,94 @@ static int is_needed(const scene_run *run)
     return 0;
 }
 
+/* Old impulses, or none. */
+static void prepare_starts(scene_run *run)
+{
+    const size_t count = run->scene->points[run->points_to].count;
+    const int wanted = (run->options.skip & TRIBO_SKIP_WARM_START) == 0;
+    for (size_t i = 0; i < count; i++) {
+        scene_trace *trace = trace_at(run, i);
+        if (trace->is_active != 0 && (!wanted || !(trace->start[0] > 0.0))) {
+            memset(trace->start, 0, sizeof trace->start);
+        }
+    }
+}
+
+static void take_contacts(scene_run *run, size_t rows)
+{
+    const double *impulses = run->scene->impulses.data;
+    for (size_t i = 0; i < rows; i++) {
+        memcpy(trace_at(run, pick_at(run, i))->start, impulses + 3 * i, 3 * sizeof *impulses);
+    }
+}
+
+static void keep_impulses(scene_run *run, size_t rows)
+{
+    for (size_t i = 0; i < rows; i++) {
+        const uint32_t at = pick_at(run, i);
+        scene_trace *trace = trace_at(run, at);
+        to_world(trace, trace->start, scene_list(&run->scene->points[run->points_to])[at].impulse);
+        trace->normal += trace->start[0];
+    }
+}
+
+static void count_contacts(scene_run *run, size_t rows)
+{
+    const tribo_system_contact *row = run->scene->rows.data;
+    run->info.contact_solves++;
+    run->info.contacts += rows;
+    for (size_t i = 0; i < rows; i++) {
+        run->info.frictionless += row[i].dimension == 1;
+        run->info.matched += trace_at(run, pick_at(run, i))->start[0] > 0.0;
+    }
+}
+
+/* What one solve sends through a surface that was far is held by the next. */
+static tribo_status solve_held(scene_run *run)
+{
+    tribo_scene *s = run->scene;
+    tribo_system_info info = {0};
+    tribo_status status = TRIBO_OK;
+    size_t rows = 0;
+    size_t more = 1;
+    for (int pass = 0; status == TRIBO_OK && more > 0 && pass < MAX_PASSES; pass++) {
+        rows = lay_contacts(run);
+        if (pass == 0) {
+            count_contacts(run, rows);
+        }
+        const tribo_system_options by = asked(run, 1);
+        status = solve(run, rows, s->still.data, &by, &info);
+        if (status == TRIBO_OK) {
+            give_velocities(run, rows);
+            take_contacts(run, rows);
+            more = hold_more(run);
+        }
+    }
+    if (status == TRIBO_OK) {
+        tell_quality(run, &info);
+        keep_impulses(run, rows);
+    }
+    return status;
+}
+
 tribo_status scene_solve_contacts(scene_run *run)
 {
     tribo_scene *s = run->scene;
-    tribo_system_info info;
-    size_t rows = 0;
-    uint32_t warm = 0;
     if (!is_needed(run)) {
         return TRIBO_OK;
     }
     tribo_status status = reserve_rows(run);
+    if (status == TRIBO_OK) {
+        status = scene_reserve(s, &s->still, s->end, sizeof(tribo_body));
+    }
     if (status != TRIBO_OK) {
         return status;
     }
-    lay_contacts(run, &rows, &warm);
-    const tribo_system_options by = asked(run, warm);
-    status = solve(run, rows, scene_bodies(s), &by, &info);
-    if (status != TRIBO_OK) {
-        return status;
-    }
-    give_velocities(run, rows);
-    tell_quality(run, &info);
-    run->info.contact_solves++;
-    for (size_t i = 0; i < rows; i++) {
-        const uint32_t at = pick_at(run, i);
-        scene_trace *trace = trace_at(run, at);
-        const double *impulse = (const double *)s->impulses.data + 3 * i;
-        to_world(trace, impulse, scene_list(&s->points[run->points_to])[at].impulse);
-        trace->normal += impulse[0];
-    }
-    return TRIBO_OK;
+    memcpy(s->still.data, s->bodies.data, s->end * sizeof(tribo_body));
+    prepare_starts(run);
+    hold_near(run);
+    hold_more(run);
+    return solve_held(run);
 }
 
 /* ---- moving apart what overlaps -------------------------------------------------------------- */
@@ -452,8 +534,8 @@ tribo_status scene_part_overlaps(scene_run *run, uint32_t *moved)
 {
     tribo_scene *s = run->scene;
     tribo_system_info info;
-    const tribo_system_options by = {.solver = TRIBO_SOLVER_GAUSS_SEIDEL,
-                                     .max_iterations = PARTING_SWEEPS,
+    const tribo_system_options by = {.solver = run->options.solver,
+                                     .max_iterations = PARTING_ITERATIONS,
                                      .tolerance = PARTING_TOLERANCE};
     *moved = 0;
     if (!find_overlaps(run) || (run->options.skip & TRIBO_SKIP_CORRECTION)) {
