@@ -188,7 +188,7 @@ $(BUILD)/flags: FORCE
 CLI_OBJECTS := $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard src/cli/*.c))
 SUPPORT_OBJECTS := $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard tests/support/*.c))
 # Rooms of libtribo and of the program; the targets of all others link libtribo_core alone.
-FULL_ROOMS := broad collide shape table
+FULL_ROOMS := broad collide scene shape table
 FULL_SUPPORT := $(BUILD)/obj/fuzz/support/shapes.o $(BUILD)/obj/tests/support/pairs.o
 FUZZ_OBJECTS := $(filter-out $(FULL_SUPPORT),$(SUPPORT_OBJECTS) \
     $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard fuzz/support/*.c)))

@@ -532,11 +532,13 @@ tribo_status tribo_scene_set_gravity(tribo_scene *scene, const double gravity[3]
 tribo_status tribo_scene_totals(const tribo_scene *scene, const double origin[3],
                                 tribo_totals *totals, double *potential)
 {
+    static const tribo_body none;
     tribo_totals sum;
     if (!scene || !origin || !totals) {
         return TRIBO_ERROR_NULL;
     }
-    const tribo_status status = tribo_audit_bodies(scene->end, scene_bodies(scene), origin, &sum);
+    const tribo_body *bodies = scene->end > 0 ? scene_bodies(scene) : &none;
+    const tribo_status status = tribo_audit_bodies(scene->end, bodies, origin, &sum);
     if (status != TRIBO_OK) {
         return status;
     }

@@ -368,6 +368,9 @@ tribo_status scene_find_contacts(scene_run *run)
     size_t count = 0;
     size_t at = 0;
     s->points[run->points_to].count = 0;
+    if (s->count == 0) {
+        return TRIBO_OK;
+    }
     tribo_status status = take_kicks(run);
     if (status == TRIBO_OK && s->count < 2) {
         return TRIBO_OK;
