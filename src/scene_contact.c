@@ -223,8 +223,8 @@ static old_points find_old(const scene_run *run, uint32_t a, uint32_t b, size_t 
     return out;
 }
 
-/* The old point of the same features; or the nearest one, where rounding has two bodies take turns in
- * whose face clips the other's. Null if there is none. */
+/* The old point of the same features; or the nearest one, where rounding has two bodies take turns
+ * in whose face clips the other's. Null if there is none. */
 static const tribo_scene_contact *find_same(const old_points *old, const tribo_scene_contact *c,
                                             double near)
 {

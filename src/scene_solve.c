@@ -316,7 +316,7 @@ static double distance_then(const scene_run *run, size_t i)
     return c->distance + run->h * tribo_vec3_dot(c->normal, u);
 }
 
-/* Hold what is near, and what surfaces would pass through. Returns how many were not held before. */
+/* Hold what surfaces would pass through. Returns how many were not held before. */
 static size_t hold_more(scene_run *run)
 {
     const size_t count = run->scene->points[run->points_to].count;

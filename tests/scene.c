@@ -331,8 +331,8 @@ static void test_rolling_platform(void **state)
     settle("rolling platform");
 }
 
-/* A box on a belt gains its speed in t = dv / (mu g), in a straight line; so it does on a floor that
- * moves. */
+/* A box on a belt gains its speed in t = dv / (mu g), in a straight line; so it does on a floor
+ * that moves. */
 static void test_conveyor(void **state)
 {
     const double time = 0.5 / (0.3 * G);
@@ -439,6 +439,7 @@ static void test_stacks_rest(void **state)
             within(fabs(events[i].normal - weight), 1e-8 * weight * boxes);
             above -= 1.0;
         }
+        tribo_scene_destroy(s.scene);
     }
     settle("stacks over 10 s");
 }

@@ -9,24 +9,28 @@
  *
  *   1. all bodies fly freely for h/2;
  *   2. there, contacts are found: what may touch before the next midpoint, with its features;
- *   3. impacts, if there are any: bodies that come closer than the threshold allows part by the
- *      restitution of their pairs, at the velocities before forces act;
- *   4. forces act for h, and contacts hold: gap + h u_n >= 0 at the end, with Coulomb friction;
+ *   3. impacts, if there are any: half of the forces act, and bodies that would meet before the
+ *      next midpoint, faster than the threshold, part by the restitution of their pairs
+ *      (tribo_system_solve: all that are due at once, in passes until none is left, at most 16);
+ *   4. forces act, and contacts hold: gap + h u_n >= 0 at the end, with Coulomb friction;
  *   5. all bodies fly freely for the other h/2;
- *   6. where bodies overlap by more than rounding, they are moved apart; velocities do not change.
+ *   6. where bodies overlap by more than rounding, and would go on to, they are moved apart;
+ *      velocities do not change.
  *
  * Then a body without contact moves on the exact parabola and turns as Euler's equations say, at
  * any h. Linear momentum, and angular momentum about any common point, change by the impulses of
  * forces and of bodies that are not dynamic alone, to rounding: contacts act at one point on both
  * bodies, in the configuration that they were found in. Impacts do not raise kinetic energy. A
  * contact that persists takes p . (u- + u+) / 2 out of the total energy, with u- and u+ the
- * velocities at both ends of the sub-step; this is never positive but where a contact comes to rest
- * within the sub-step, and then at most (h F)^2 / 8m for a force F on a mass m. Moving bodies apart
- * changes their potential energy, and is the one thing here that changes angular momentum, by
- * the momentum times the move.
+ * velocities at both ends of the sub-step; this is of the wrong sign only where a contact comes to
+ * rest or is met within the sub-step, and then by at most (h F)^2 / 8m for a force F on a mass m.
+ * Moving bodies apart changes their potential energy and, by the move times the momentum, angular
+ * momentum; it is the one thing here that does.
  *
  * An impact takes place at the midpoint before the surfaces meet: there is no overlap, and the
- * energy of a bounce is exact. Its place and time are early, by up to the way of one sub-step.
+ * energy of a bounce is exact. Its place and time are early, by up to the way of one sub-step. What
+ * flies apart after the last pass of impacts, or was set up too near, may overlap for a sub-step.
+ * What a body passes on its first h/2 after it was added or set is not seen.
  *
  * Only what the scene needs is run; tribo_step_info tells what was. The same calls give the same
  * bits, whatever the tasks, and from a saved state on.
@@ -101,8 +105,8 @@ TRIBO_API tribo_status tribo_scene_body_init(tribo_scene_body *body);
  *  @return TRIBO_ERROR_NULL, TRIBO_ERROR_STRUCT_SIZE, TRIBO_ERROR_OPTION (kind), a status of
  *          tribo_body_check, tribo_material_check or tribo_shape_check, TRIBO_ERROR_MASS (dynamic
  *          with zero inverse mass, or not dynamic with another), TRIBO_ERROR_INERTIA (not dynamic
- *          with any, or one that tribo_body_spin refuses), TRIBO_ERROR_SHAPE (HALFSPACE or MESH on a
- *          dynamic body), TRIBO_ERROR_ORIENTATION (offset), TRIBO_ERROR_NOT_FINITE,
+ *          with any, or one that tribo_body_spin refuses), TRIBO_ERROR_SHAPE (HALFSPACE or MESH on
+ *          a dynamic body), TRIBO_ERROR_ORIENTATION (offset), TRIBO_ERROR_NOT_FINITE,
  *          TRIBO_ERROR_RANGE (a static body with velocities), TRIBO_ERROR_SUPPORT,
  *          TRIBO_ERROR_CAPACITY (2^30 bodies), TRIBO_ERROR_MEMORY. */
 TRIBO_API tribo_status tribo_scene_add(tribo_scene *scene, const tribo_scene_body *body,
@@ -131,8 +135,8 @@ TRIBO_API tribo_status tribo_scene_get_body(const tribo_scene *scene, uint32_t i
 TRIBO_API tribo_status tribo_scene_set_body(tribo_scene *scene, uint32_t id,
                                             const tribo_body *state);
 
-/** Force (N) at the centre of mass and torque (N m), world axes, that act on a dynamic body from now
- *  on, until they are set anew. The body wakes if they change.
+/** Force (N) at the centre of mass and torque (N m), world axes, that act on a dynamic body from
+ *  now on, until they are set anew. The body wakes if they change.
  *  @param force,torque may be null: zero
  *  @return TRIBO_ERROR_NULL (scene), TRIBO_ERROR_INDEX, TRIBO_ERROR_NOT_FINITE, TRIBO_ERROR_MASS
  *          (not dynamic). */
@@ -191,7 +195,7 @@ typedef struct tribo_step_info {
     uint64_t turns;             /**< of these, those that turned */
     uint64_t broad;             /**< sub-steps with a broad phase */
     uint64_t pairs;             /**< pairs of bodies collided */
-    uint64_t contacts;          /**< contact points handed to the contact solves */
+    uint64_t contacts;          /**< contact points held by the contact solves */
     uint64_t frictionless;      /**< of these, those with one row */
     uint64_t matched;           /**< of these, those with a warm start */
     uint64_t contact_solves;    /**< sub-steps with a contact solve */
@@ -213,8 +217,8 @@ typedef struct tribo_step_info {
  *  @param info    may be null
  *  @return TRIBO_OK whatever the solvers say: see info->stop; TRIBO_ERROR_NULL,
  *          TRIBO_ERROR_STRUCT_SIZE, TRIBO_ERROR_OPTION, TRIBO_ERROR_TIME_STEP (dt <= 0, or a body
- *          turns by more than 1e5 radians), TRIBO_ERROR_NOT_FINITE, TRIBO_ERROR_RANGE (an option, or
- *          a state beyond double), TRIBO_ERROR_SUPPORT, TRIBO_ERROR_CAPACITY (2^31 contacts),
+ *          turns by more than 1e5 radians), TRIBO_ERROR_NOT_FINITE, TRIBO_ERROR_RANGE (an option,
+ *          or a state beyond double), TRIBO_ERROR_SUPPORT, TRIBO_ERROR_CAPACITY (2^31 contacts),
  *          TRIBO_ERROR_MEMORY. With any of them the scene is as it was before the call. */
 TRIBO_API tribo_status tribo_scene_step(tribo_scene *scene, double dt,
                                         const tribo_step_options *options, tribo_step_info *info);
@@ -223,14 +227,16 @@ TRIBO_API tribo_status tribo_scene_step(tribo_scene *scene, double dt,
 
 /** A contact point. A is the body with the lesser id. */
 typedef struct tribo_scene_contact {
-    uint32_t a, b;             /**< ids of the bodies */
-    uint32_t child_a, child_b; /**< as in tribo_manifold */
-    uint64_t id;               /**< which features touch */
-    double normal[3];          /**< unit, from B to A */
-    double arm_a[3];           /**< from the centre of mass of A to the point, m */
-    double arm_b[3];           /**< the same from that of B */
-    double distance;           /**< of the surfaces, m; negative inside */
-    double impulse[3];         /**< on A, world axes, N s, in the last sub-step; without impacts */
+    uint32_t a;       /**< id of body A */
+    uint32_t b;       /**< id of body B */
+    uint32_t child_a; /**< as in tribo_manifold */
+    uint32_t child_b;
+    uint64_t id;       /**< which features touch */
+    double normal[3];  /**< unit, from B to A */
+    double arm_a[3];   /**< from the centre of mass of A to the point, m */
+    double arm_b[3];   /**< the same from that of B */
+    double distance;   /**< of the surfaces, m; negative inside */
+    double impulse[3]; /**< on A, world axes, N s, in the last sub-step; without impacts */
 } tribo_scene_contact;
 
 /** Contact points of the last sub-step, as of its midpoint, sorted by a, b, child_a and child_b.
@@ -251,7 +257,8 @@ enum {
  *  exchange an impulse or a distance is not positive. */
 typedef struct tribo_scene_event {
     uint32_t kind;     /**< TRIBO_EVENT_... */
-    uint32_t a, b;     /**< ids, a < b */
+    uint32_t a;        /**< id */
+    uint32_t b;        /**< id, greater than a */
     uint32_t impacts;  /**< contact points with restitution, over the sub-steps */
     double impulse[3]; /**< on A, world axes, N s: all of the step, impacts included */
     double normal;     /**< sum of the normal impulses, N s */
