@@ -313,8 +313,12 @@ static double squared_map(const system_problem *problem, double sigma, const dou
     for (size_t c = 0; c < problem->count; c++) {
         const double *own = r + 3 * c;
         const double scaled[3] = {sigma * own[0], sigma * own[1], sigma * own[2]};
-        const double map = natural_map(scaled, 1.0, u + 3 * c, fit_of(problem, c, r, u, scratch));
-        sum += map * map;
+        const double fit = fit_of(problem, c, r, u, scratch);
+        const double map = natural_map(scaled, 1.0, u + 3 * c, fit);
+        /* Beyond mu_d a contact may not slide. */
+        const double slip =
+            fit > problem->mu[2 * c + 1] ? planar_length(u[3 * c + 1], u[3 * c + 2]) : 0.0;
+        sum += map * map + slip * slip;
     }
     return sum;
 }

@@ -1019,6 +1019,8 @@ static uint32_t sift(double margin, double reach, uint32_t count, pair_point *po
         int known = !(points[i].distance <= margin);
         for (uint32_t k = 0; k < kept && reach > 0.0 && !known; k++) {
             known = is_same(points[i].middle, points[k].middle, reach);
+            points[k].distance =
+                known ? lesser(points[k].distance, points[i].distance) : points[k].distance;
         }
         if (!known) {
             if (kept != i) {

@@ -34,6 +34,7 @@ enum {
     MPR_CALLS = 100,
     GJK_ROUNDS = 40,
     DESCENTS = 16,
+    LONG_DESCENTS = 10,
     NEWTON_STEPS = 8,
     EXPLORED = 16, /* searches a survey may start, */
     FEW = 3,       /* of which these give up early, */
@@ -567,24 +568,32 @@ static int newton(search *s)
 
 /* ---- descent --------------------------------------------------------------------------------- */
 
-/* From the least width seen to a local minimum. */
-static void descend(search *s)
+/* From the least width seen to a local minimum. Returns whether its surroundings are known. */
+static int descend(search *s)
 {
     simplex x;
+    double room = 0.0;
     x.count = 1;
     (void)support(s, s->normal, x.p[0]);
     for (int k = 0; k < DESCENTS && !s->fault && !apart(s); k++) {
         const double width = s->width;
-        const double gap =
-            greater(greater(0.5 * absolute(width), 0.1 * s->inner), 1e6 * s->rounding);
+        /* where M is flat, the nearer to it, the longer the step */
+        room = k < LONG_DESCENTS ? greater(0.5 * absolute(width), 0.1 * s->inner) : 0.25 * room;
+        const double gap = greater(room, 1e6 * s->rounding);
         const double way = greater(width + gap, 0.0);
         const double shift[3] = {way * s->normal[0], way * s->normal[1], way * s->normal[2]};
         const double start = way > 0.0 ? way - width : HUGE_VAL;
-        if (!approach(s, &x, shift, start) || newton(s) || width - s->width <= s->rounding ||
-            way == 0.0) {
-            return;
+        if (!approach(s, &x, shift, start)) {
+            return 0;
+        }
+        if (newton(s)) {
+            return 1;
+        }
+        if (width - s->width <= s->rounding || way == 0.0) {
+            return 0;
         }
     }
+    return 0;
 }
 
 /* ---- all of M: expanding polytope ------------------------------------------------------------ */
@@ -1271,8 +1280,11 @@ static void axes_of(search *s, const double r[9])
 /* From the least width seen to a local minimum. */
 static void settle(search *s)
 {
-    if ((s->flat && s->width < 0.0) || (!newton(s) && !climb_ridges(s))) {
-        descend(s);
+    if (!(s->flat && s->width < 0.0) && (newton(s) || climb_ridges(s))) {
+        return;
+    }
+    if (!descend(s) && !s->flat && !s->fault && !apart(s)) {
+        (void)climb_ridges(s); /* the crease was too far away before */
     }
 }
 

@@ -19,13 +19,26 @@
 #define SHORT_STEPS 3
 #define LEAST_SWEEPS 8
 #define MOST_SWEEPS 64
+/* A step without its elimination takes as long as so many sweeps; a contact of a sweep as long as so
+ * many operations of elimination, which is some times faster on dense matrices. */
+#define STEP_SWEEPS 32.0
+#define SWEEP_OPERATIONS 150.0
+#define BLOCK_OPERATIONS 30.0 /* of a block of W that is summed */
+#define DENSE_SHARE 0.2
+#define CLIQUE_SHARE 0.15 /* contacts of one body are all linked: fewer, larger blocks */
 #define SYMMETRY 1e-12
-#define PATIENCE 300 /* proximal steps without progress */
+#define PATIENCE 1500 /* Newton steps that bring nothing */
 
 enum { OPEN, SLIP, STICK };
 
 struct newton {
     const system_problem *problem;
+    const goal *wanted;
+    double size;  /* mean |W_cc| */
+    double fall;  /* of alpha */
+    double outer; /* |F| without the proximal term, and the distance from the goal */
+    double distance;
+    uint64_t won; /* step that brought something last */
     double alpha;
     verdict reached; /* by the best impulses */
     uint32_t sweeps; /* of the next smoothing */
@@ -702,6 +715,77 @@ static int step_on_bodies(newton *n, newton_run *run)
     return 1;
 }
 
+/* ---- price ----------------------------------------------------------------------------------- */
+
+/* Breadth-first levels of a graph from `first`: marks nodes, and returns the operations of
+ * elimination level by level, each node having `rows` rows. `last` receives a node of the last
+ * level. */
+static double eliminate_levels(uint32_t nodes, const uint32_t *starts, const uint32_t *neighbours,
+                               uint32_t first, double rows, uint32_t *queue, uint32_t *mark,
+                               uint32_t *last)
+{
+    uint32_t begin = 0;
+    uint32_t end = 1;
+    double before = 0.0;
+    double sum = 0.0;
+
+    for (uint32_t i = 0; i < nodes; i++)
+        mark[i] = 0;
+    queue[0] = first;
+    mark[first] = 1;
+    while (begin < end) {
+        const double width = rows * (double)(end - begin);
+        const uint32_t level_end = end;
+        sum += width * (width + before) * (width + before);
+        before = width;
+        *last = queue[begin];
+        for (; begin < level_end; begin++) {
+            const uint32_t node = queue[begin];
+            for (uint32_t k = starts[node]; k < starts[node + 1]; k++) {
+                if (mark[neighbours[k]] == 0) {
+                    mark[neighbours[k]] = 1;
+                    queue[end++] = neighbours[k];
+                }
+            }
+        }
+    }
+    return sum;
+}
+
+/* From one end of the graph to the other the levels are thinnest. */
+static double sparse_operations(uint32_t nodes, const uint32_t *starts, const uint32_t *neighbours,
+                                double rows, uint32_t *scratch)
+{
+    uint32_t last = 0;
+    uint32_t unused;
+
+    eliminate_levels(nodes, starts, neighbours, 0, rows, scratch, scratch + nodes, &last);
+    return eliminate_levels(nodes, starts, neighbours, last, rows, scratch, scratch + nodes,
+                            &unused);
+}
+
+double newton_price(newton *n, const system_problem *problem, const newton_run *run)
+{
+    const uint32_t rows = unknowns(problem->count, problem->bodies);
+    double sweep = SWEEP_OPERATIONS * (double)problem->count;
+    double operations;
+
+    n->problem = problem;
+    if (problem->bodies == 0)
+        sweep += BLOCK_OPERATIONS * (double)problem->row_starts[problem->count];
+    if (is_dense(rows, run)) {
+        operations = DENSE_SHARE * (double)rows * (double)rows * (double)rows;
+    } else if (problem->bodies != 0) {
+        link_bodies(n);
+        tidy_links(n);
+        operations = sparse_operations(problem->bodies, n->starts, n->neighbours, 6.0, n->place);
+    } else {
+        operations = CLIQUE_SHARE * sparse_operations(problem->count, problem->row_starts,
+                                                      problem->columns, 3.0, n->place);
+    }
+    return STEP_SWEEPS + operations / sweep;
+}
+
 /* ---- iteration ------------------------------------------------------------------------------- */
 
 static void copy(size_t count, const double *from, double *to)
@@ -862,7 +946,7 @@ static int solve_proximal(newton *n, double enough, newton_run *run, uint32_t *s
 
 /* Natural map without the proximal term, and the distance from the goal, of r brought into the
  * cone; kept if it is the best so far. */
-static double judge(newton *n, const goal *wanted, double *distance)
+static double judge(newton *n)
 {
     const size_t count = n->problem->count;
     const double alpha = n->alpha;
@@ -873,8 +957,8 @@ static double judge(newton *n, const goal *wanted, double *distance)
     n->alpha = 0.0;
     const double f = map_all(n, n->next_r, n->next_u, n->next_f, n->next_mode);
     n->alpha = alpha;
-    const verdict now = certificate_judge(n->problem, wanted, n->next_r, n->next_u, n->dv);
-    *distance = now.distance;
+    const verdict now = certificate_judge(n->problem, n->wanted, n->next_r, n->next_u, n->dv);
+    n->distance = now.distance;
     if (is_better(now, n->reached)) {
         n->reached = now;
         copy(3 * count, n->next_r, n->best);
@@ -920,7 +1004,7 @@ static uint32_t is_symmetric(const system_problem *p)
     return odd <= SYMMETRY * most;
 }
 
-static double begin(newton *n, const system_problem *problem, const double *r)
+static void begin(newton *n, const system_problem *problem, const double *r)
 {
     double sum = 0.0;
     double most = 0.0;
@@ -941,55 +1025,76 @@ static double begin(newton *n, const system_problem *problem, const double *r)
     }
     n->unit = 1.0 / power_of_two(scale_exponent(most));
     certificate_velocity(problem, n->r, n->dv, n->u);
-    return sum / (double)problem->count;
+    n->size = sum / (double)problem->count;
 }
 
-/* The next alpha: lower where Newton is at ease. Returns how fast it may fall. */
-static double adapt(newton *n, double size, int solved, uint32_t steps, double fall)
+/* The next alpha: lower where Newton is at ease. */
+static void adapt(newton *n, int solved, uint32_t steps)
 {
     if (!solved) {
         n->alpha *= RISE;
-        return SLOW_FALL;
+        n->fall = SLOW_FALL;
+        return;
     }
     n->sweeps = n->sweeps > LEAST_SWEEPS ? n->sweeps / 2 : LEAST_SWEEPS;
     if (steps < QUICK)
-        n->alpha = greater(n->alpha / (steps <= QUICKEST ? fall : SLOW_FALL), LEAST_ALPHA * size);
-    return fall;
+        n->alpha =
+            greater(n->alpha / (steps <= QUICKEST ? n->fall : SLOW_FALL), LEAST_ALPHA * n->size);
 }
 
-double newton_solve(newton *n, const system_problem *problem, const goal *wanted, newton_run *run,
-                    double *r)
+void newton_start(newton *n, const system_problem *problem, const goal *wanted,
+                  const newton_run *run, const double *r)
 {
-    const size_t numbers_of = 3 * (size_t)problem->count;
-    const double size = begin(n, problem, r);
-    double distance;
-    double fall = FAST_FALL;
-    uint32_t idle = 0;
-    double outer = judge(n, wanted, &distance);
-
+    begin(n, problem, r);
+    n->wanted = wanted;
+    n->outer = judge(n);
+    n->alpha = FIRST_ALPHA * n->size;
+    n->fall = FAST_FALL;
+    n->sweeps = LEAST_SWEEPS;
+    n->won = run->steps;
     if (problem->bodies != 0)
         prepare_bodies(n, is_dense(6 * problem->bodies, run));
-    n->alpha = FIRST_ALPHA * size;
-    n->sweeps = LEAST_SWEEPS;
-    while (distance > 1.0 && idle < PATIENCE && run->steps < run->most_steps) {
-        const double before = n->reached.residual;
-        uint32_t steps;
-        copy(numbers_of, n->r, n->center);
-        const double enough = greater(INNER_SHARE * outer, 0.1 * outer / distance);
-        const int solved = solve_proximal(n, enough, run, &steps);
-        if (run->halted != 0 || run->status != TRIBO_OK)
-            break;
-        const double now = judge(n, wanted, &distance);
-        fall = adapt(n, size, solved && now < 10.0 * outer, steps, fall);
-        if (now < 10.0 * outer) {
-            outer = solved ? now : lesser(outer, now);
-        } else {
-            copy(numbers_of, n->center, n->r);
-            certificate_velocity(problem, n->r, n->dv, n->u);
-        }
-        idle = n->reached.residual < 0.9 * before ? 0 : idle + 1;
+}
+
+uint32_t newton_stalls(const newton *n, const newton_run *run)
+{
+    return run->steps - n->won >= PATIENCE;
+}
+
+/* One proximal step. */
+static void advance(newton *n, newton_run *run)
+{
+    const double before = n->reached.residual;
+    const double enough = greater(INNER_SHARE * n->outer, 0.1 * n->outer / n->distance);
+    uint32_t steps;
+
+    copy(3 * (size_t)n->problem->count, n->r, n->center);
+    const int solved = solve_proximal(n, enough, run, &steps);
+    if (run->halted != 0 || run->status != TRIBO_OK)
+        return;
+    const double now = judge(n);
+    adapt(n, solved && now < 10.0 * n->outer, steps);
+    if (steps == 0) {
+        /* Nothing to do but what bringing r into the cone undoes: go on from there. */
+        n->outer = now;
+        move(n);
+    } else if (now < 10.0 * n->outer) {
+        n->outer = solved ? now : lesser(n->outer, now);
+    } else {
+        copy(3 * (size_t)n->problem->count, n->center, n->r);
+        certificate_velocity(n->problem, n->r, n->dv, n->u);
     }
-    run->growth = certificate_growth(problem, n->r, n->dv);
-    copy(numbers_of, n->best, r);
+    n->won = n->reached.residual < 0.9 * before ? run->steps : n->won;
+}
+
+double newton_continue(newton *n, newton_run *run, uint64_t steps, double *r)
+{
+    const uint64_t first = run->steps;
+
+    while (n->distance > 1.0 && run->steps - first < steps && run->steps < run->most_steps &&
+           run->halted == 0 && run->status == TRIBO_OK && !newton_stalls(n, run))
+        advance(n, run);
+    run->growth = certificate_growth(n->problem, n->r, n->dv);
+    copy(3 * (size_t)n->problem->count, n->best, r);
     return n->reached.distance;
 }

@@ -35,9 +35,18 @@ uint32_t newton_possible(uint32_t count, uint32_t bodies, const newton_run *run)
  * contacts in the bodies form. */
 newton *newton_take(arena *a, uint32_t count, uint32_t bodies, size_t links, const newton_run *run);
 
-/* Improve r until the goal is met. r receives the best impulses met, in the cone; returns their
- * distance from the goal. */
-double newton_solve(newton *n, const system_problem *problem, const goal *wanted, newton_run *run,
-                    double *r);
+/* About how many sweeps take as long as a step on this problem. */
+double newton_price(newton *n, const system_problem *problem, const newton_run *run);
+
+/* Start from r; `problem` and `wanted` must last until the last newton_continue. */
+void newton_start(newton *n, const system_problem *problem, const goal *wanted,
+                  const newton_run *run, const double *r);
+
+/* Go on for some `steps` until the goal is met. r receives the best impulses since the start, in
+ * the cone; returns their distance from the goal. */
+double newton_continue(newton *n, newton_run *run, uint64_t steps, double *r);
+
+/* 1 if the last many steps brought nothing. */
+uint32_t newton_stalls(const newton *n, const newton_run *run);
 
 #endif

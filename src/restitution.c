@@ -2,6 +2,8 @@
 
 #include "bits.h"
 
+#define WILD 1e6
+
 void restitution_take(restitution *stage, arena *a, uint32_t count, uint32_t bodies)
 {
     double **each[] = {&stage->first,    &stage->second, &stage->u_first,
@@ -122,6 +124,20 @@ static double part_with_friction(restitution *st, solver *s, const system_proble
     return distance;
 }
 
+/* Time and cancelling end all that follows. */
+static uint32_t lasting(uint32_t now, uint32_t before)
+{
+    return now == TRIBO_STOP_TIME || now == TRIBO_STOP_CANCEL ? now : before;
+}
+
+/* 1 if a way of parting is no way to go: it is not solved, or its impulses hold each other a million
+ * times harder than those of the plastic solution. */
+static int is_wild(const restitution *st, solver *s, const system_problem *p, double distance)
+{
+    const double before = certificate_growth(p, st->first, s->v);
+    return distance > 1.0 || certificate_growth(p, st->second, s->v) > WILD * greater(before, 1.0);
+}
+
 double restitution_apply(restitution *stage, solver *s, const system_problem *problem,
                          const double *free_velocity, const double *e, const goal *wanted,
                          double *r)
@@ -132,15 +148,24 @@ double restitution_apply(restitution *stage, solver *s, const system_problem *pr
         return 1.0;
     for (size_t i = 0; i < numbers; i++)
         stage->first[i] = r[i];
-    /* What is not solved is not gone towards. */
-    if (part_without_friction(stage, s, problem, free_velocity, e, wanted) > 1.0)
+    /* The plastic solution stands: what fails from here on is told by the share alone. */
+    const uint32_t stop = s->stop;
+    double distance = part_without_friction(stage, s, problem, free_velocity, e, wanted);
+    if (is_wild(stage, s, problem, distance)) {
+        s->stop = lasting(s->stop, stop);
         return 0.0;
+    }
     double share = allowed(problem, stage->first, stage->u_first, stage->second, stage->u_second);
     advance(problem, share, stage->first, stage->u_first, stage->second, stage->u_second);
-    if (share == 1.0 && part_with_friction(stage, s, problem, free_velocity, e, wanted) <= 1.0) {
-        share = allowed(problem, stage->first, stage->u_first, stage->second, stage->u_second);
+    if (share == 1.0) {
+        distance = part_with_friction(stage, s, problem, free_velocity, e, wanted);
+        share =
+            is_wild(stage, s, problem, distance)
+                ? 0.0
+                : allowed(problem, stage->first, stage->u_first, stage->second, stage->u_second);
         advance(problem, share, stage->first, stage->u_first, stage->second, stage->u_second);
     }
+    s->stop = lasting(s->stop, stop);
     for (size_t i = 0; i < numbers; i++)
         r[i] = stage->first[i];
     return share;

@@ -2,16 +2,14 @@
 
 #include "bits.h"
 
-/* Sweeps that are tried before Newton, and the most that may still be missing by the rate seen. */
+/* Sweeps of the first batch, and the Newton steps whose price may still be missing in sweeps. */
 #define FIRST_SWEEPS 8
-#define MOST_SWEEPS 64
+#define FEW_STEPS 2.0
 #define JAM_GROWTH 1e6
 /* A contact within this share of its cone stands on it. */
 #define EDGE 1e-9
-/* Newton starts from what the sweeps gave if it is nearer than this share of the start. */
-#define WORTH_KEEPING 1e-3
-/* Sweeps of Gauss-Seidel that smooth what Newton left, where it stalled. */
-#define SMOOTHING_SWEEPS 256
+/* Newton steps of the first turn. */
+#define FIRST_TURN 64
 
 double solver_now(const tribo_system_options *options)
 {
@@ -104,9 +102,9 @@ static double sweep_until(solver *s, const system_problem *p, const double *free
 
 /* ---- one component, one coefficient per contact ---------------------------------------------- */
 
-static double run_newton(solver *s, const system_problem *p, const goal *wanted, double *r)
+static double run_newton(solver *s, uint64_t steps, double *r)
 {
-    const double distance = newton_solve(s->newton, p, wanted, &s->run, r);
+    const double distance = newton_continue(s->newton, &s->run, steps, r);
     s->growth = s->run.growth;
     s->info->steps = s->run.steps;
     s->info->factorizations = s->run.factorizations;
@@ -130,35 +128,57 @@ static uint32_t reason(const solver *s, int stalled)
     return stalled ? TRIBO_STOP_STALL : TRIBO_STOP_ITERATIONS;
 }
 
+/* Newton; by the automatic choice in turns with Gauss-Seidel, each from where it was, for ever longer
+ * turns: the cost is at most about twice that of the better one. `swept` is where the sweeps
+ * were. */
+static double take_turns(solver *s, const system_problem *p, const double *free_velocity,
+                         const goal *wanted, double price, double *r, double *swept,
+                         uint64_t *sweeps)
+{
+    const uint32_t alone = s->options->solver == TRIBO_SOLVER_NEWTON;
+    uint64_t turn = alone ? UINT64_MAX : FIRST_TURN;
+    double distance;
+
+    newton_start(s->newton, p, wanted, &s->run, r);
+    for (;;) {
+        s->info->solver = TRIBO_SOLVER_NEWTON;
+        distance = run_newton(s, turn, r);
+        if (distance <= 1.0 || alone || s->status != TRIBO_OK || halt(s) != 0 ||
+            s->run.steps >= s->run.most_steps || newton_stalls(s->newton, &s->run))
+            return distance;
+        const double due = price * (double)turn;
+        const uint64_t left = s->most - *sweeps;
+        const uint64_t most = *sweeps + (due < (double)left ? (uint64_t)due : left);
+        if (sweep_until(s, p, free_velocity, wanted, most, 0.0, swept, sweeps) <= 1.0) {
+            s->info->solver = TRIBO_SOLVER_GAUSS_SEIDEL;
+            copy(3 * (size_t)p->count, swept, r);
+            return 0.0;
+        }
+        turn *= 2;
+    }
+}
+
 static void solve_fixed(solver *s, const system_problem *p, const double *free_velocity,
                         const goal *wanted, double *r)
 {
+    const size_t numbers = 3 * (size_t)p->count;
     const uint32_t asked = s->options->solver;
     const uint32_t can = s->newton != NULL && newton_possible(p->count, p->bodies, &s->run);
     const uint32_t use_newton = asked != TRIBO_SOLVER_GAUSS_SEIDEL && can;
-    uint64_t sweeps = 0;
     const uint64_t done = s->run.steps;
+    const double price = use_newton ? newton_price(s->newton, p, &s->run) : 0.0;
+    double distance = judge(s, p, wanted, r).distance;
+    uint64_t sweeps = 0;
 
     s->run.most_steps = s->most > UINT64_MAX - done ? UINT64_MAX : done + s->most;
-    const double first = judge(s, p, wanted, r).distance;
-    double distance = first;
-
-    copy(3 * (size_t)p->count, r, s->start_r);
+    copy(numbers, r, s->start_r);
     if (distance > 1.0 && asked != TRIBO_SOLVER_NEWTON)
-        distance = sweep_until(s, p, free_velocity, wanted, s->most,
-                               use_newton ? (double)MOST_SWEEPS : 0.0, r, &sweeps);
-    /* Few sweeps spoil the contacts of a stack at rest, which Newton finds at once from nothing. */
-    if (use_newton && distance > 1.0 && distance > WORTH_KEEPING * first)
-        copy(3 * (size_t)p->count, s->start_r, r);
-    for (int round = 0; distance > 1.0 && use_newton && round < 3; round++) {
-        s->info->solver = TRIBO_SOLVER_NEWTON;
-        distance = run_newton(s, p, wanted, r);
-        if (!(distance > 1.0) || halt(s) != 0 || s->status != TRIBO_OK ||
-            asked == TRIBO_SOLVER_NEWTON || round == 2 || s->run.steps >= s->run.most_steps)
-            break;
-        const uint64_t smooth = sweeps + SMOOTHING_SWEEPS;
-        distance = sweep_until(s, p, free_velocity, wanted, smooth < s->most ? smooth : s->most,
-                               0.0, r, &sweeps);
+        distance = sweep_until(s, p, free_velocity, wanted, s->most, price * FEW_STEPS, r, &sweeps);
+    if (distance > 1.0 && use_newton && halt(s) == 0) {
+        copy(numbers, r, s->swept);
+        /* Sweeps spoil the contacts of a stack at rest, which Newton finds at once from nothing. */
+        copy(numbers, s->start_r, r);
+        distance = take_turns(s, p, free_velocity, wanted, price, r, s->swept, &sweeps);
     }
     if (sweeps > s->info->sweeps)
         s->info->sweeps = sweeps;
@@ -168,25 +188,35 @@ static void solve_fixed(solver *s, const system_problem *p, const double *free_v
 
 /* ---- static and dynamic coefficients --------------------------------------------------------- */
 
-static int slides(const system_problem *p, size_t c, double mu, const double *r, const double *u)
+/* Slip, of friction times W, that a contact at rest may have. */
+static double least_slip(const goal *wanted)
+{
+    return wanted->measure == TRIBO_MEASURE_ETA ? lesser(EDGE, 0.1 * wanted->tolerance)
+                                                : 1e-3 * EDGE;
+}
+
+/* 1 if a contact stands on the cone of mu and slides faster than what the goal forgives. */
+static int slides(const system_problem *p, size_t c, double mu, double least, const double *r,
+                  const double *u)
 {
     const double friction = sqrt(r[1] * r[1] + r[2] * r[2]);
     const double slip = sqrt(u[1] * u[1] + u[2] * u[2]);
     const double *w = p->diagonal + 9 * c;
 
     return r[0] > 0.0 && friction >= mu * r[0] * (1.0 - EDGE) &&
-           slip > EDGE * friction * (w[4] + w[8]);
+           slip > least * friction * (w[4] + w[8]);
 }
 
 /* A contact that slides on its cone has mu_d from now on: returns how many changed. */
-static uint32_t release(solver *s, const system_problem *p, const double *r)
+static uint32_t release(solver *s, const system_problem *p, const goal *wanted, const double *r)
 {
+    const double least = least_slip(wanted);
     uint32_t released = 0;
 
     for (size_t c = 0; c < p->count; c++) {
         double *mu = s->mu + 2 * c;
         const double dynamic = p->mu[2 * c + 1];
-        if (mu[0] > dynamic && slides(p, c, mu[0], r + 3 * c, s->u + 3 * c)) {
+        if (mu[0] > dynamic && slides(p, c, mu[0], least, r + 3 * c, s->u + 3 * c)) {
             mu[0] = mu[1] = dynamic;
             released++;
         }
@@ -195,11 +225,13 @@ static uint32_t release(solver *s, const system_problem *p, const double *r)
 }
 
 /* mu_s for all, but mu_d where the start slides so. */
-static void choose_coefficients(solver *s, const system_problem *p, const double *r)
+static void choose_coefficients(solver *s, const system_problem *p, const goal *wanted,
+                                const double *r)
 {
     for (size_t c = 0; c < p->count; c++) {
         const double *mu = p->mu + 2 * c;
-        const int dynamic = mu[0] > mu[1] && slides(p, c, mu[1], r + 3 * c, s->u + 3 * c);
+        const int dynamic =
+            mu[0] > mu[1] && slides(p, c, mu[1], least_slip(wanted), r + 3 * c, s->u + 3 * c);
         s->mu[2 * c] = s->mu[2 * c + 1] = mu[dynamic];
     }
 }
@@ -214,6 +246,7 @@ static int solve_alone(solver *s, const system_problem *p, double r[3])
         p->symmetric[0] != 0 ? tribo_contact_solve(half, p->q, p->mu[0], p->mu[1], r, NULL)
                              : tribo_contact_solve_general(w, p->q, p->mu[0], p->mu[1], r, NULL);
 
+    s->info->sweeps = s->info->sweeps > 1 ? s->info->sweeps : 1;
     if (status != TRIBO_ERROR_JAM)
         return status == TRIBO_OK;
     r[0] = (0.0 - p->q[0]) / w[0];
@@ -233,10 +266,12 @@ double solver_solve(solver *s, const system_problem *problem, const double *free
     verdict best = judge(s, problem, wanted, r);
     const uint32_t before = s->stop;
 
+    if (best.distance <= 1.0)
+        return best.distance;
     held.mu = s->mu;
     s->run.halt = halt;
     s->run.context = s;
-    choose_coefficients(s, problem, r);
+    choose_coefficients(s, problem, wanted, r);
     copy(numbers, r, s->best);
     do {
         solve_fixed(s, &held, free_velocity, wanted, r);
@@ -245,9 +280,11 @@ double solver_solve(solver *s, const system_problem *problem, const double *free
             best = now;
             copy(numbers, r, s->best);
         }
-    } while (s->status == TRIBO_OK && halt(s) == 0 && release(s, problem, r) > 0);
+    } while (s->status == TRIBO_OK && halt(s) == 0 && release(s, problem, wanted, r) > 0);
     copy(numbers, s->best, r);
     if (best.distance <= 1.0 && s->stop != TRIBO_STOP_TIME && s->stop != TRIBO_STOP_CANCEL)
         s->stop = before;
+    else if (best.distance > 1.0)
+        note_stop(s, TRIBO_STOP_ITERATIONS);
     return best.distance;
 }

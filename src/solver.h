@@ -18,9 +18,9 @@ typedef struct solver {
 
     newton *newton; /* null: not asked for */
     void *sweep_memory;
-    double *dv, *v;                    /* 6 per body */
-    double *u, *held, *start_r, *best; /* 3 per contact */
-    double *mu;                        /* 2 per contact: the coefficients in force */
+    double *dv, *v;                            /* 6 per body */
+    double *u, *held, *start_r, *swept, *best; /* 3 per contact */
+    double *mu;                                /* 2 per contact: the coefficients in force */
 } solver;
 
 /* Seconds by the clock of the options. */

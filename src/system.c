@@ -68,6 +68,16 @@ static void give_info(tribo_system_info *whole, tribo_system_info *info)
     memcpy(info, whole, info->struct_size);
 }
 
+static tribo_status judge_place(const tribo_system_options *o, const void *workspace, size_t size,
+                                size_t needed)
+{
+    if (needed > 0 && workspace == NULL)
+        return TRIBO_ERROR_NULL;
+    if (size < needed)
+        return TRIBO_ERROR_CAPACITY;
+    return tribo_isa_available(o->isa) ? TRIBO_OK : TRIBO_ERROR_ISA;
+}
+
 /* ---- places ---------------------------------------------------------------------------------- */
 
 /* The problem with contacts and bodies in the order of their components, and all that solves it. */
@@ -121,6 +131,7 @@ static void take_shared(plan *p, arena *a, const tribo_system_options *o)
     p->solver.held = numbers(a, 3 * n);
     p->solver.start_r = numbers(a, 3 * n);
     p->solver.best = numbers(a, 3 * n);
+    p->solver.swept = numbers(a, 3 * n);
     p->solver.mu = numbers(a, 2 * n);
     p->solver.sweep_memory = arena_take(a, sweep_size(p->count, p->bodies), 1);
     p->solver.run.dense_limit = o->dense_limit;
@@ -717,20 +728,15 @@ tribo_status tribo_system_solve(size_t body_count, const tribo_body *bodies, siz
         status = read_options(options, &o);
     if (status == TRIBO_OK)
         status = tribo_system_workspace_size(body_count, count, contacts, options, &needed);
+    if (status == TRIBO_OK)
+        status = judge_place(&o, workspace, size, needed);
     if (status != TRIBO_OK)
         return status;
-    if (needed > 0 && workspace == NULL)
-        return TRIBO_ERROR_NULL;
-    if (size < needed)
-        return TRIBO_ERROR_CAPACITY;
-    if (!tribo_isa_available(o.isa))
-        return TRIBO_ERROR_ISA;
     plan_bodies(&p, &places, body_count, count, &o, &needed);
     status = solve_bodies(&p, &o, bodies, contacts, impulses, velocities, &whole);
-    if (status == TRIBO_OK) {
-        whole.bytes = needed;
+    whole.bytes = needed;
+    if (status == TRIBO_OK)
         give_info(&whole, info);
-    }
     return status;
 }
 
@@ -964,19 +970,14 @@ tribo_status tribo_system_solve_assembled(size_t count, const uint32_t *row_star
     if (status == TRIBO_OK)
         status =
             tribo_system_assembled_workspace_size(count, row_starts, columns, options, &needed);
+    if (status == TRIBO_OK)
+        status = judge_place(&o, workspace, size, needed);
     if (status != TRIBO_OK)
         return status;
-    if (needed > 0 && workspace == NULL)
-        return TRIBO_ERROR_NULL;
-    if (size < needed)
-        return TRIBO_ERROR_CAPACITY;
-    if (!tribo_isa_available(o.isa))
-        return TRIBO_ERROR_ISA;
     plan_blocks(&p, &places, count, row_starts, &o, &needed);
     status = solve_blocks(&p, &o, &given, impulses, velocities, &whole);
-    if (status == TRIBO_OK) {
-        whole.bytes = needed;
+    whole.bytes = needed;
+    if (status == TRIBO_OK)
         give_info(&whole, info);
-    }
     return status;
 }

@@ -81,7 +81,7 @@ layout()
     "$CC" -std=c99 -Iinclude tests/abi/layout.c -o "$work/layout" && "$work/layout"
 }
 
-# Structs of libtribo hold pointers: this golden is for machines of 64 bits.
+# Structs that hold pointers: this golden is for machines of 64 bits.
 layout_tribo()
 {
     "$CC" -std=c99 -Iinclude tests/abi/layout_tribo.c -o "$work/layout_tribo" &&
@@ -137,8 +137,7 @@ equal()
 
 if [ "${1:-}" = --update ]; then
     exported >tests/abi/symbols.txt
-    layout >tests/abi/layout.txt
-    layout_tribo >tests/abi/layout_tribo.txt
+    layout >tests/abi/layout.txt && layout_tribo >tests/abi/layout_tribo.txt || exit 1
     with_debug_info && types tests/abi/tribo_core.abi "$library" &&
         types tests/abi/tribo.abi "$full" || exit 1
 fi

@@ -75,7 +75,14 @@ enum {
 
 /** Certificate: how far the impulses are from the exact law. Per-contact measures are those of
  *  audit.h with the scales V = |q_c| + |sum |W_cj||r_j|| and P = V / greatest diagonal entry of
- *  W_cc. With restitution they judge the plastic solution that it is built on. */
+ *  W_cc; in the bodies form the sum is taken body by body, |J_c| |M^-1| sum |J_j^T||r_j|, which is
+ *  somewhat more. A contact is judged by mu_d; by mu_s where that is nearer, and then its sliding
+ *  velocity counts in full: over V in eta, squared in the sums of invariant and siconos. One-row
+ *  contacts are judged as contacts without friction. With restitution the measures judge the plastic
+ *  solution that it is built on.
+ *
+ *  TRIBO_STOP_TOLERANCE by eta also promises eta V <= a tenth of the greatest |q|: where impulses
+ *  grow without bound, eta falls though nothing is solved. */
 typedef struct tribo_system_info {
     uint32_t struct_size;    /**< sizeof(tribo_system_info), set by the caller */
     uint32_t stop;           /**< TRIBO_STOP_... */
@@ -91,19 +98,31 @@ typedef struct tribo_system_info {
     double misalignment;     /**< greatest | |u_t| r_t + mu r_n u_t | / (P V) */
     double invariant;        /**< as in TRIBO_MEASURE_INVARIANT; |q| = 0 gives 0 */
     double siconos;          /**< sqrt(sum |r - P_K(r - u')|^2) / max(|q|, |r|, |u|): the measure of
-                                  Siconos 4.4, not free of units */
+                                  Siconos 4.4, not free of units; not divided by less than 2^-52 */
     double energy;           /**< change of kinetic energy by the impulses, r . (q + u) / 2, J;
                                   without the work of targets */
     double energy_scale;     /**< sum |r_c| (|q_c| + |u_c|) / 2, J: what energy is measured
                                   against */
     double linear;           /**< |change of total linear momentum, impulses of the world counted| /
                                   sum m |dv|; 0 in the assembled form */
-    double angular;          /**< the same of angular momentum about the origin */
+    double angular;          /**< the same of angular momentum about the origin; of meaning where
+                                  the arms of each contact meet, and no axis is locked */
     double restitution;      /**< least share of the restitution stage that the energy allowed, 0 to
                                   1; 1 where there is none */
     double seconds;          /**< by the clock in the options; 0 without one */
     uint64_t bytes;          /**< of the workspace that were used */
 } tribo_system_info;
+
+/** Factorise the n x n matrix with rows row_starts[i] to row_starts[i + 1] of `columns` (ascending
+ *  in each row) and `values`. symmetric = 1: it is symmetric, positive definite but for rounding,
+ *  and only entries with column <= row are given. The arrays stay as they are until the last solve.
+ *  @return TRIBO_OK; TRIBO_ERROR_CONTACT_MATRIX if it is singular; any other status. */
+typedef tribo_status (*tribo_factor_function)(void *context, uint32_t n, const uint32_t *row_starts,
+                                              const uint32_t *columns, const double *values,
+                                              uint32_t symmetric);
+
+/** Replace x by the solution for the right-hand side x, n numbers. */
+typedef tribo_status (*tribo_solve_function)(void *context, double *x);
 
 /** Factorise and solve sparse linear systems for Newton: a user's own, or tribo_sparse of
  *  libtribo. Without one, systems up to `dense_limit` unknowns are factored by dense elimination.
@@ -112,15 +131,8 @@ typedef struct tribo_linear {
     uint32_t struct_size; /**< sizeof(tribo_linear) */
     uint32_t reserved;    /**< 0 */
     void *context;        /**< handed to both functions */
-    /** Factorise the n x n matrix with rows row_starts[i] to row_starts[i + 1] of `columns`
-     *  (ascending in each row) and `values`. symmetric = 1: it is symmetric, positive definite but
-     *  for rounding, and only entries with column <= row are given. The arrays stay as they are
-     *  until the last solve.
-     *  @return TRIBO_OK; TRIBO_ERROR_CONTACT_MATRIX if it is singular; any other status. */
-    tribo_status (*factor)(void *context, uint32_t n, const uint32_t *row_starts,
-                           const uint32_t *columns, const double *values, uint32_t symmetric);
-    /** Replace x by the solution for the right-hand side x, n numbers. */
-    tribo_status (*solve)(void *context, double *x);
+    tribo_factor_function factor;
+    tribo_solve_function solve;
 } tribo_linear;
 
 /** Called with what is known so far; return other than 0 to stop. */

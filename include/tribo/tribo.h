@@ -12,5 +12,6 @@
 #include <tribo/contact.h>
 #include <tribo/material.h>
 #include <tribo/math.h>
+#include <tribo/system.h>
 
 #endif

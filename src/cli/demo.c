@@ -11,6 +11,7 @@
 #include "manifold.h"
 #include "measured.h"
 #include "plot.h"
+#include "stack.h"
 #include "survey.h"
 #include "throw.h"
 
@@ -21,15 +22,19 @@ static const char USAGE[] =
     "the speed\n"
     "of the laws against their distance from Coulomb's law. Then contact manifolds: their speed "
     "against\n"
-    "the error of their depth.\n"
+    "the error of their depth. Then many contacts, towers and a wall: the speed of the solvers "
+    "against\n"
+    "how far they are from the exact law.\n"
     "\n"
-    "  --out DIR  folder for the pictures throw.svg, cone.svg, laws.svg and manifolds.svg, made if "
-    "need\n"
-    "             be (.); they are drawn by gnuplot, and left out if it is not installed\n"
+    "  --out DIR  folder for the pictures throw.svg, cone.svg, laws.svg, manifolds.svg and "
+    "stack.svg,\n"
+    "             made if need be (.); they are drawn by gnuplot, and left out if it is not "
+    "installed\n"
     "\n"
     "If the environment variable TRIBO_DATA names a folder with cube_tosses/tosses.csv and "
-    "fc/*.dat, the\n"
-    "measured tosses are predicted and the recorded contact problems solved as well.\n";
+    "fc/*.dat,\n"
+    "fc/*.hdf5, the measured tosses are predicted and the recorded contact problems solved as "
+    "well.\n";
 
 /* ---- tables ---------------------------------------------------------------------------------- */
 
@@ -120,10 +125,49 @@ static void print_manifolds(const manifold_result *results)
          "  plane's. general: by support functions alone, as for hulls.");
 }
 
+/* The point of a curve as a row: sweeps at the left, or the tolerance on eta. */
+static void print_stack(const stack_result *scene, int curve, int k)
+{
+    const tribo_system_info *info = &scene->points[curve][k].info;
+    char error[16] = "-";
+
+    if (curve == 0)
+        printf("    %-12s %5llu", stack_names[curve], (unsigned long long)stack_sweeps[k]);
+    else
+        printf("    %-12s %5.0e", stack_names[curve], stack_tolerances[k]);
+    if (scene->rests)
+        snprintf(error, sizeof error, "%.1e", scene->points[curve][k].load_error);
+    printf("  %10.1f  %6llu  %5llu  %8llu  %7.1e  %+11.4e  %10s\n", 1e6 * info->seconds,
+           (unsigned long long)info->sweeps, (unsigned long long)info->steps,
+           (unsigned long long)info->factorizations, info->eta, info->energy, error);
+}
+
+static void print_stacks(const stack_result *results)
+{
+    static const struct {
+        int curve, point;
+    } rows[] = {{0, 2}, {0, 4}, {0, 6}, {1, 5}, {2, 5}};
+
+    puts("\nSpeed against error of many contacts: a step of 1/60 s from a cold start, mu 0.5\n\n"
+         "                             time  sweeps  steps  matrices      eta       energy  error "
+         "of\n"
+         "    until                      us                  factored              change/J    the "
+         "load");
+    for (int i = 0; i < STACK_SCENES; i++) {
+        printf("  %s, %zu contacts\n", results[i].title, results[i].contacts);
+        for (size_t row = 0; row < sizeof rows / sizeof rows[0]; row++)
+            print_stack(&results[i], rows[row].curve, rows[row].point);
+    }
+    puts("  until: so many sweeps, or eta (the greatest of a contact) below that. Load: of the "
+         "ground, against\n"
+         "  m g dt of all bodies. Sliding has more than one exact solution: solvers may end at "
+         "different ones.");
+}
+
 /* ---- the command ----------------------------------------------------------------------------- */
 
 static int draw(const char *folder, const throw_record *records, const survey_result *results,
-                const manifold_scene *scenes)
+                const manifold_scene *scenes, const stack_result *stacks)
 {
     if (!plot_available()) {
         cli_error(0, "gnuplot is not installed: no pictures are drawn");
@@ -139,8 +183,10 @@ static int draw(const char *folder, const throw_record *records, const survey_re
     if (exit_status == 0)
         exit_status = plot_manifolds(folder, "manifolds.svg", scenes);
     if (exit_status == 0)
-        printf("\nPictures: %s/throw.svg %s/cone.svg %s/laws.svg %s/manifolds.svg\n", folder,
-               folder, folder, folder);
+        exit_status = plot_stacks(folder, "stack.svg", stacks);
+    if (exit_status == 0)
+        printf("\nPictures: %s/throw.svg %s/cone.svg %s/laws.svg %s/manifolds.svg %s/stack.svg\n",
+               folder, folder, folder, folder, folder);
     return exit_status;
 }
 
@@ -151,6 +197,7 @@ static int run_demo(const char *folder)
     survey_result results[CLI_LAWS];
     manifold_scene scenes[MANIFOLD_SCENES];
     manifold_result manifolds[MANIFOLD_METHODS];
+    static stack_result stacks[STACK_SCENES];
     const char *data = getenv("TRIBO_DATA");
 
     tribo_status status = survey_make(&contacts);
@@ -163,6 +210,8 @@ static int run_demo(const char *folder)
         status = manifold_scenes(scenes);
     if (status == TRIBO_OK)
         status = manifold_survey(manifolds);
+    if (status == TRIBO_OK)
+        status = stack_survey(stacks);
     if (status != TRIBO_OK)
         return cli_error(CLI_BAD_INPUT, "demo: %s: %s", tribo_status_name(status),
                          tribo_status_string(status));
@@ -170,12 +219,15 @@ static int run_demo(const char *folder)
     print_throws(records);
     print_survey(results);
     print_manifolds(manifolds);
-    int exit_status = draw(folder, records, results, scenes);
-    if (exit_status == 0 && data != NULL && data[0] != '\0')
-        exit_status = measured_run(data);
-    else if (exit_status == 0)
+    print_stacks(stacks);
+    int exit_status = draw(folder, records, results, scenes, stacks);
+    if (exit_status == 0 && (data == NULL || data[0] == '\0'))
         puts(
             "\nTRIBO_DATA is not set: the measured tosses and the recorded problems are left out.");
+    else if (exit_status == 0)
+        exit_status = measured_run(data);
+    if (exit_status == 0 && data != NULL && data[0] != '\0')
+        exit_status = stack_recorded(data);
     return exit_status;
 }
 

@@ -453,3 +453,80 @@ int plot_manifolds(const char *folder, const char *name, const manifold_scene *s
     fputs("unset multiplot\n", gnuplot);
     return end_plot(gnuplot, name);
 }
+
+/* ---- many contacts --------------------------------------------------------------------------- */
+
+static void put_curves(FILE *gnuplot, const stack_result *result, int panel)
+{
+    for (int curve = 0; curve < STACK_CURVES; curve++) {
+        fprintf(gnuplot, "$curve%d%d << END\n", panel, curve);
+        for (int k = 0; k < STACK_POINTS; k++) {
+            const tribo_system_info *info = &result->points[curve][k].info;
+            fprintf(gnuplot, "%g %g\n", 1e6 * info->seconds, fmax(info->eta, 1e-17));
+        }
+        fputs("END\n", gnuplot);
+    }
+}
+
+static void plot_curves(FILE *gnuplot, const stack_result *result, int panel)
+{
+    static const int styles[STACK_CURVES] = {2, 4, 0};
+    const double left = 0.09 + 0.48 * (panel % 2), bottom = 0.55 - 0.46 * (panel / 2);
+
+    fprintf(gnuplot,
+            "set lmargin at screen %g\nset rmargin at screen %g\n"
+            "set bmargin at screen %g\nset tmargin at screen %g\n"
+            "set title '%s, %zu contacts' font ',15' offset 0,-0.6\n"
+            "set xlabel '%s' offset 0,0.4\nset ylabel '%s'\nplot 1/0",
+            left, left + 0.40, bottom, bottom + 0.33, result->title, result->contacts,
+            panel / 2 > 0 ? "time / \u03bcs" : "",
+            panel % 2 == 0 ? "greatest \u03b7 of a contact" : "");
+    for (int curve = 0; curve < STACK_CURVES; curve++) {
+        const plot_style *style = &STYLES[styles[curve]];
+        fprintf(gnuplot,
+                ", $curve%d%d with linespoints pointtype %d pointsize 0.8 linewidth 2 linecolor "
+                "'%s' title '%s'",
+                panel, curve, style->point, style->colour, panel == 0 ? stack_names[curve] : "");
+    }
+    fputc('\n', gnuplot);
+}
+
+/* Decades that hold all times. */
+static void put_time_range(FILE *gnuplot, const stack_result *results)
+{
+    double low = HUGE_VAL, high = 0.0;
+
+    for (int i = 0; i < STACK_SCENES * STACK_CURVES * STACK_POINTS; i++) {
+        const stack_result *result = &results[i % STACK_SCENES];
+        const int point = i / STACK_SCENES;
+        const stack_point *p = &result->points[point / STACK_POINTS][point % STACK_POINTS];
+        low = fmin(low, 1e6 * p->info.seconds);
+        high = fmax(high, 1e6 * p->info.seconds);
+    }
+    fprintf(gnuplot, "set xrange [1e%g:1e%g]\n", floor(log10(low)), ceil(log10(high)));
+}
+
+int plot_stacks(const char *folder, const char *name, const stack_result *results)
+{
+    FILE *gnuplot = begin_plot(folder, name, 1000, 800);
+
+    if (gnuplot == NULL)
+        return CLI_BAD_INPUT;
+    for (int i = 0; i < STACK_SCENES; i++)
+        put_curves(gnuplot, &results[i], i);
+    put_time_range(gnuplot, results);
+    fputs("set multiplot\n"
+          "set label 1 'Speed against error of many contacts, from a cold start' at screen "
+          "0.5,0.965 center font ',19'\n"
+          "set logscale xy\nset yrange [1e-17:10]\n"
+          "set format x '10^{%T}'\nset format y '10^{%T}'\nset ytics 1e4\n"
+          "unset mytics\nset mxtics 10\n"
+          "set key bottom right samplen 2\n",
+          gnuplot);
+    for (int i = 0; i < STACK_SCENES; i++) {
+        plot_curves(gnuplot, &results[i], i);
+        fputs("unset label\n", gnuplot);
+    }
+    fputs("unset multiplot\n", gnuplot);
+    return end_plot(gnuplot, name);
+}

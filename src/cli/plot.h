@@ -6,6 +6,7 @@
 #define TRIBO_CLI_PLOT_H
 
 #include "manifold.h"
+#include "stack.h"
 #include "survey.h"
 #include "throw.h"
 
@@ -24,5 +25,8 @@ int plot_survey(const char *folder, const char *name, const survey_result *resul
 
 /** The manifolds of the scenes: shapes, contact points and normals, seen from above the side. */
 int plot_manifolds(const char *folder, const char *name, const manifold_scene *scenes);
+
+/** Speed against error of the solvers, a panel for each scene of many contacts. */
+int plot_stacks(const char *folder, const char *name, const stack_result *results);
 
 #endif

@@ -1,7 +1,9 @@
 /*
- * Layout of every public struct and value of every public constant; the golden is layout.txt.
- * tests/abi.sh also checks that no public struct, field or constant is missing here.
+ * Layout of every public struct without pointers and value of every public constant of
+ * libtribo_core; the golden is layout.txt, the same on every machine. tests/abi.sh also checks that
+ * no public struct, field or constant is missing here or in layout_tribo.c.
  */
+#include <tribo/system.h>
 #include <tribo/tribo.h>
 
 #include <inttypes.h>
@@ -161,6 +163,55 @@ static void print_batch(void)
     CONSTANT(TRIBO_ISA_X86_64_V4);
 }
 
+static void print_system(void)
+{
+    TYPE(tribo_system_contact);
+    FIELD(tribo_system_contact, a);
+    FIELD(tribo_system_contact, b);
+    FIELD(tribo_system_contact, dimension);
+    FIELD(tribo_system_contact, reserved);
+    FIELD(tribo_system_contact, contact);
+    FIELD(tribo_system_contact, pair);
+    FIELD(tribo_system_contact, target);
+    CONSTANT(TRIBO_SOLVER_AUTO);
+    CONSTANT(TRIBO_SOLVER_GAUSS_SEIDEL);
+    CONSTANT(TRIBO_SOLVER_NEWTON);
+    CONSTANT(TRIBO_MEASURE_ETA);
+    CONSTANT(TRIBO_MEASURE_INVARIANT);
+    CONSTANT(TRIBO_STOP_TOLERANCE);
+    CONSTANT(TRIBO_STOP_ITERATIONS);
+    CONSTANT(TRIBO_STOP_TIME);
+    CONSTANT(TRIBO_STOP_CANCEL);
+    CONSTANT(TRIBO_STOP_STALL);
+    CONSTANT(TRIBO_STOP_JAM);
+}
+
+static void print_system_info(void)
+{
+    TYPE(tribo_system_info);
+    FIELD(tribo_system_info, struct_size);
+    FIELD(tribo_system_info, stop);
+    FIELD(tribo_system_info, solver);
+    FIELD(tribo_system_info, components);
+    FIELD(tribo_system_info, sweeps);
+    FIELD(tribo_system_info, steps);
+    FIELD(tribo_system_info, factorizations);
+    FIELD(tribo_system_info, eta);
+    FIELD(tribo_system_info, eta_rms);
+    FIELD(tribo_system_info, signorini);
+    FIELD(tribo_system_info, cone);
+    FIELD(tribo_system_info, misalignment);
+    FIELD(tribo_system_info, invariant);
+    FIELD(tribo_system_info, siconos);
+    FIELD(tribo_system_info, energy);
+    FIELD(tribo_system_info, energy_scale);
+    FIELD(tribo_system_info, linear);
+    FIELD(tribo_system_info, angular);
+    FIELD(tribo_system_info, restitution);
+    FIELD(tribo_system_info, seconds);
+    FIELD(tribo_system_info, bytes);
+}
+
 int main(void)
 {
     print_status();
@@ -171,5 +222,7 @@ int main(void)
     print_collision();
     print_audit();
     print_batch();
+    print_system();
+    print_system_info();
     return 0;
 }

@@ -1,6 +1,6 @@
 /*
- * Layout of every public struct and value of every public constant that libtribo adds; the golden
- * is layout_tribo.txt.
+ * Layout of every public struct and value of every public constant that libtribo adds, and of the
+ * structs of libtribo_core that hold pointers; the golden is layout_tribo.txt.
  */
 #include <tribo/broad.h>
 #include <tribo/collide.h>
@@ -188,11 +188,39 @@ static void print_scene(void)
     FIELD(tribo_scene_event, normal);
 }
 
+static void print_system(void)
+{
+    TYPE(tribo_linear);
+    FIELD(tribo_linear, struct_size);
+    FIELD(tribo_linear, reserved);
+    FIELD(tribo_linear, context);
+    FIELD(tribo_linear, factor);
+    FIELD(tribo_linear, solve);
+    TYPE(tribo_system_options);
+    FIELD(tribo_system_options, struct_size);
+    FIELD(tribo_system_options, solver);
+    FIELD(tribo_system_options, measure);
+    FIELD(tribo_system_options, isa);
+    FIELD(tribo_system_options, warm_start);
+    FIELD(tribo_system_options, tasks);
+    FIELD(tribo_system_options, max_iterations);
+    FIELD(tribo_system_options, tolerance);
+    FIELD(tribo_system_options, max_seconds);
+    FIELD(tribo_system_options, dense_limit);
+    FIELD(tribo_system_options, reserved);
+    FIELD(tribo_system_options, linear);
+    FIELD(tribo_system_options, progress);
+    FIELD(tribo_system_options, parallel);
+    FIELD(tribo_system_options, clock);
+    FIELD(tribo_system_options, user);
+}
+
 int main(void)
 {
     print_shape();
     print_collide();
     print_sparse();
+    print_system();
     print_scene();
     return 0;
 }

@@ -47,6 +47,7 @@ static problem_collision collisions[PAIRS];
 /* The arrays that are timed, shuffled: order[i] is the number of the problem at place i. */
 static size_t order[CONTACTS];
 static double w[6 * CONTACTS];
+static double general[2][9 * CONTACTS]; /* W row by row, and the same made unsymmetric */
 static double b[3 * CONTACTS];
 static double mu[2 * CONTACTS];
 static double p[3 * CONTACTS];
@@ -67,7 +68,7 @@ struct row {
     void (*run)(const row *self);
     void (*judge)(row *self);
     uint32_t isa;
-    uint32_t variant; /* law or peer */
+    uint32_t variant; /* law, peer, or which of `general` */
     size_t count;
     size_t width; /* doubles per result in `out` */
     const double *result;
@@ -122,11 +123,29 @@ static void shuffle(size_t count, problem_random *random)
     }
 }
 
+/* W row by row, with an antisymmetric part of 1e-3 if `skewed`: recorded problems have up to that of
+ * gyroscopic terms. */
+static void fill_general(const double packed[6], uint32_t skewed, double out[9])
+{
+    static const size_t entry[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
+    for (size_t i = 0; i < 9; i++) {
+        out[i] = packed[entry[i]];
+    }
+    for (size_t i = 0; i < 3 && skewed != 0; i++) {
+        const size_t j = (i + 1) % 3;
+        const double skew = 1e-3 * sqrt(out[4 * i] * out[4 * j]);
+        out[3 * i + j] += skew;
+        out[3 * j + i] -= skew;
+    }
+}
+
 static void load_local(void)
 {
     for (size_t i = 0; i < CONTACTS; i++) {
         const problem_local *from = &loading->local[order[i]];
         memcpy(w + 6 * i, from->w, sizeof from->w);
+        fill_general(from->w, 0, general[0] + 9 * i);
+        fill_general(from->w, 1, general[1] + 9 * i);
         memcpy(b + 3 * i, from->b, sizeof from->b);
         mu[2 * i] = mu[2 * i + 1] = from->mu;
     }
@@ -164,6 +183,15 @@ static void run_solve(const row *self)
 {
     for (size_t i = 0; i < self->count; i++) {
         tribo_contact_solve(w + 6 * i, b + 3 * i, mu[2 * i], mu[2 * i + 1], p + 3 * i, NULL);
+    }
+}
+
+static void run_general(const row *self)
+{
+    const double *matrices = general[self->variant];
+    for (size_t i = 0; i < self->count; i++) {
+        tribo_contact_solve_general(matrices + 9 * i, b + 3 * i, mu[2 * i], mu[2 * i + 1],
+                                    p + 3 * i, NULL);
     }
 }
 
@@ -250,13 +278,61 @@ static void run_advance(const row *self)
 
 /* ---- errors ---------------------------------------------------------------------------------- */
 
+/* Point of the cone nearest to x, in place. */
+static void project(long double coefficient, long double x[3])
+{
+    const long double radius = hypotl(x[1], x[2]);
+    if (coefficient * radius <= -x[0]) {
+        x[0] = x[1] = x[2] = 0.0L;
+    } else if (radius > coefficient * x[0]) {
+        x[0] = (x[0] + coefficient * radius) / (1.0L + coefficient * coefficient);
+        x[1] *= coefficient * x[0] / radius;
+        x[2] *= coefficient * x[0] / radius;
+    }
+}
+
+/* As quad_eta, for the W that is not symmetric. */
+static double skewed_eta(const problem_local *problem, const double impulse[3])
+{
+    double matrix[9];
+    long double x[3];
+    long double v[3];
+    long double sizes[3] = {0.0L, 0.0L, 0.0L};
+    long double square = 0.0L;
+    fill_general(problem->w, 1, matrix);
+    for (size_t i = 0; i < 3; i++) {
+        v[i] = (long double)problem->b[i];
+        for (size_t j = 0; j < 3; j++) {
+            const long double term = (long double)matrix[3 * i + j] * (long double)impulse[j];
+            v[i] += term;
+            sizes[i] += fabsl(term);
+        }
+    }
+    const long double top = (long double)fmax(fmax(matrix[0], matrix[4]), matrix[8]);
+    const long double scale =
+        hypotl(hypotl(sizes[0], sizes[1]), sizes[2]) + (long double)tribo_vec3_norm(problem->b);
+    v[0] += (long double)problem->mu * hypotl(v[1], v[2]);
+    for (size_t i = 0; i < 3; i++) {
+        x[i] = (long double)impulse[i] - v[i] / (top * (long double)fmax(problem->mu, 1.0));
+    }
+    project((long double)problem->mu, x);
+    for (size_t i = 0; i < 3; i++) {
+        const long double off = x[i] - (long double)impulse[i];
+        square += off * off;
+    }
+    return (double)(sqrtl(square) * top / scale);
+}
+
 static void judge_eta(row *self)
 {
     static double etas[CONTACTS];
     size_t failures = 0;
     for (size_t i = 0; i < self->count; i++) {
         const problem_local *problem = &self->set->local[i];
-        const double eta = quad_eta(problem->w, problem->b, problem->mu, self->out + 3 * i);
+        const double *impulse = self->out + 3 * i;
+        const double eta = self->run == run_general && self->variant == 1
+                               ? skewed_eta(problem, impulse)
+                               : quad_eta(problem->w, problem->b, problem->mu, impulse);
         etas[i] = eta == eta ? eta : HUGE_VAL;
         failures += eta <= failed ? 0 : 1;
     }
@@ -558,6 +634,8 @@ static void add_solvers(const problem_set *set)
 {
     const row *exact = add_row("exact solve", set, run_solve, judge_solution);
     add_all_lanes(exact, run_batch_solve);
+    add_row("general solve", set, run_general, judge_solution);
+    add_row("general solve, unsymmetric W", set, run_general, judge_eta)->variant = 1;
     for (uint32_t peer = 0; peer < PEERS; peer++) {
         add_row(peer_name(peer), set, run_peer, judge_solution)->variant = peer;
     }
@@ -734,7 +812,8 @@ static void plot_points(FILE *gnuplot, const problem_set *set, int peers)
             is_peer == peers) {
             fprintf(gnuplot, "%g %g \"%s\"\n", self->median_ns,
                     fmin(fmax(self->eta_worst, 1e-17), 10.0),
-                    is_peer ? self->kernel : self->isa_name);
+                    self->run == run_solve || self->run == run_batch_solve ? self->isa_name
+                                                                           : self->kernel);
         }
     }
     fprintf(gnuplot, "END\n");
@@ -746,7 +825,7 @@ static void plot_set(FILE *gnuplot, const problem_set *set)
     plot_points(gnuplot, set, 1);
     fprintf(gnuplot, "set title \"set %s\"\n", set->name);
     fprintf(gnuplot, "plot $tribo using 1:2 with points pt 7 ps 0.8 lc '#1b6ca8' title "
-                     "'exact solve, scalar and lanes', $peers using 1:2 with points pt 5 ps 0.8 "
+                     "'exact solves, scalar and lanes', $peers using 1:2 with points pt 5 ps 0.8 "
                      "lc '#c0392b' title 'peers', $tribo using 1:2:3 with labels left rotate by "
                      "40 offset 0.3,0.5 font ',8' notitle, $peers using 1:2:3 with labels left "
                      "rotate by -30 offset 0.5,-0.5 font ',8' notitle\n");

@@ -1,15 +1,17 @@
-/* Time to an accuracy on recorded problems of many contacts, beside Siconos in the same run: its
- * proximal solver with regularised Newton (its best single configuration on these problems) and its
- * Gauss-Seidel with two exact local solvers; and beside the time of the best of 44 configurations
- * of Siconos that the collection records for each problem.
+/* Time to an accuracy beside Siconos in the same run, on recorded problems of many contacts and on
+ * towers of boxes: its proximal solver with regularised Newton (its best single configuration on
+ * the recorded problems) and its Gauss-Seidel with two exact local solvers; and beside the time of
+ * the best of 44 configurations of Siconos that the collection records for each problem.
  *
- *   siconos [SECONDS]     most seconds for a solve (20)
+ *   siconos [SECONDS]     most seconds for a solve (TRIBO_BENCH_SECONDS of the environment, or 20)
  *
  * Accuracy is E_inv = |s r - P_K(s r - u')| / |q|, s the mean diagonal entry of W, computed here
- * from the impulses alone, in long double. Siconos stops by another measure: it is asked for
- * tighter ones until E_inv is met. Each solve starts from r = 0 in a process of its own, which may
- * be stopped; its time is the least of repetitions for up to half a second, and includes all that a
- * solver does before it starts. One thread. */
+ * from the impulses and the assembled W alone, in long double. Siconos stops by another measure: it
+ * is asked for tighter ones until E_inv is met. Each solve starts from r = 0 in a process of its
+ * own, which may be stopped; a mean "at most" counts that limit as the time. The time is that of
+ * the processor, the least of repetitions for up to half a second, and includes all that a solver
+ * does before it starts. One thread. Towers are given to tribo as bodies and contacts, and to it
+ * and Siconos assembled, which is not in the time. */
 #define _POSIX_C_SOURCE 200809L
 #define _DEFAULT_SOURCE /* MAP_ANONYMOUS */
 
@@ -17,10 +19,12 @@
 
 #include <errno.h>
 #include <math.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -35,17 +39,25 @@
 #endif
 
 #include "../../src/cli/problem.h"
+#include "../support/systems.h"
 
-enum { CONTACTS_ABOVE = 20, PROBLEMS = 64, NAME = 64, GOALS = 2, REPETITIONS = 50 };
+enum { CONTACTS_ABOVE = 20, PROBLEMS = 64, NAME = 64, GOALS = 2, REPETITIONS = 50, SLIDING = 2 };
 
 static const double goals[GOALS] = {1e-6, 1e-9};
 static const double repeat_seconds = 0.5;
 
+/* One problem in the forms that there are of it. */
+typedef struct task {
+    problem assembled;
+    const systems_scene *scene; /* null: recorded, assembled only */
+} task;
+
+/* Of the thread: Linux counts that of a process by ticks while SIGPROF is to come. */
 static double now(void *user)
 {
     struct timespec t;
     (void)user;
-    clock_gettime(CLOCK_MONOTONIC, &t);
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
@@ -131,12 +143,45 @@ static double error_of(const problem *given, const double *r)
 
 typedef struct method {
     const char *name;
-    double (*solve)(const problem *given, double tolerance, double *r);
+    double (*solve)(const task *given, double tolerance, double *r);
     double
         tightening; /* of the tolerance asked for, if E_inv is not met; 0: it is what it bounds */
 } method;
 
-static double solve_tribo(const problem *given, double tolerance, double *r)
+static tribo_status solve_assembled(const problem *given, const tribo_system_options *options,
+                                    double *r)
+{
+    size_t size = 0;
+    tribo_status status = tribo_system_assembled_workspace_size(given->count, given->row_starts,
+                                                                given->columns, options, &size);
+    void *workspace = allocate(size, 1);
+    if (status == TRIBO_OK) {
+        status = tribo_system_solve_assembled(given->count, given->row_starts, given->columns,
+                                              given->blocks, given->q, given->mu, options,
+                                              workspace, size, r, NULL, NULL);
+    }
+    free(workspace);
+    return status;
+}
+
+static tribo_status solve_scene(const systems_scene *given, const tribo_system_options *options,
+                                double *r)
+{
+    size_t size = 0;
+    double *velocities = allocate(6 * given->body_count, sizeof *velocities);
+    tribo_status status = tribo_system_workspace_size(given->body_count, given->count,
+                                                      given->contacts, options, &size);
+    void *workspace = allocate(size, 1);
+    if (status == TRIBO_OK) {
+        status = tribo_system_solve(given->body_count, given->bodies, given->count, given->contacts,
+                                    options, workspace, size, r, velocities, NULL);
+    }
+    free(workspace);
+    free(velocities);
+    return status;
+}
+
+static double solve_tribo(const task *given, int bodies, double tolerance, double *r)
 {
     const double start = now(NULL);
     tribo_sparse *sparse = NULL;
@@ -146,22 +191,14 @@ static double solve_tribo(const problem *given, double tolerance, double *r)
                                     .tolerance = tolerance,
                                     .linear = &linear,
                                     .clock = now};
-    size_t size = 0;
     tribo_status status = tribo_sparse_create(TRIBO_SPARSE_AUTO, NULL, &sparse);
     if (status == TRIBO_OK) {
         status = tribo_sparse_linear(sparse, &linear);
     }
     if (status == TRIBO_OK) {
-        status = tribo_system_assembled_workspace_size(given->count, given->row_starts,
-                                                       given->columns, &options, &size);
+        status = bodies ? solve_scene(given->scene, &options, r)
+                        : solve_assembled(&given->assembled, &options, r);
     }
-    void *workspace = malloc(size + 1);
-    if (status == TRIBO_OK && workspace) {
-        status = tribo_system_solve_assembled(given->count, given->row_starts, given->columns,
-                                              given->blocks, given->q, given->mu, &options,
-                                              workspace, size, r, NULL, NULL);
-    }
-    free(workspace);
     tribo_sparse_destroy(sparse);
     const double seconds = now(NULL) - start;
     if (status != TRIBO_OK) {
@@ -169,6 +206,16 @@ static double solve_tribo(const problem *given, double tolerance, double *r)
         exit(1);
     }
     return seconds;
+}
+
+static double solve_as_bodies(const task *given, double tolerance, double *r)
+{
+    return solve_tribo(given, 1, tolerance, r);
+}
+
+static double solve_as_blocks(const task *given, double tolerance, double *r)
+{
+    return solve_tribo(given, 0, tolerance, r);
 }
 
 #ifdef TRIBO_HAVE_SICONOS
@@ -212,11 +259,11 @@ static FrictionContactProblem *to_siconos(const problem *given)
 typedef void (*siconos_solver)(FrictionContactProblem *, double *, double *, int *,
                                SolverOptions *);
 
-static double run_siconos(siconos_solver solver, SolverOptions *options, const problem *given,
+static double run_siconos(siconos_solver solver, SolverOptions *options, const task *given,
                           double tolerance, double *r)
 {
-    FrictionContactProblem *problem_of = to_siconos(given);
-    double *u = allocate(3 * given->count, sizeof *u);
+    FrictionContactProblem *problem_of = to_siconos(&given->assembled);
+    double *u = allocate(3 * given->assembled.count, sizeof *u);
     int info = 1; /* 0 would tell it that there is nothing to do */
     options->dparam[SICONOS_DPARAM_TOL] = tolerance;
     const double start = now(NULL);
@@ -228,7 +275,7 @@ static double run_siconos(siconos_solver solver, SolverOptions *options, const p
     return seconds;
 }
 
-static double solve_proximal(const problem *given, double tolerance, double *r)
+static double solve_proximal(const task *given, double tolerance, double *r)
 {
     SolverOptions *options = solver_options_create(SICONOS_FRICTION_3D_PROX);
     options->iparam[SICONOS_IPARAM_MAX_ITER] = 100000;
@@ -239,7 +286,7 @@ static double solve_proximal(const problem *given, double tolerance, double *r)
     return run_siconos(fc3d_proximal, options, given, tolerance, r);
 }
 
-static double solve_sweeps(const problem *given, double tolerance, double *r, int local)
+static double solve_sweeps(const task *given, double tolerance, double *r, int local)
 {
     SolverOptions *options = solver_options_create(SICONOS_FRICTION_3D_NSGS);
     options->iparam[SICONOS_IPARAM_MAX_ITER] = 100000000;
@@ -250,19 +297,22 @@ static double solve_sweeps(const problem *given, double tolerance, double *r, in
     return run_siconos(fc3d_nsgs, options, given, tolerance, r);
 }
 
-static double solve_quartic(const problem *given, double tolerance, double *r)
+static double solve_quartic(const task *given, double tolerance, double *r)
 {
     return solve_sweeps(given, tolerance, r, SICONOS_FRICTION_3D_ONECONTACT_QUARTIC);
 }
 
-static double solve_hybrid(const problem *given, double tolerance, double *r)
+static double solve_hybrid(const task *given, double tolerance, double *r)
 {
     return solve_sweeps(given, tolerance, r, SICONOS_FRICTION_3D_ONECONTACT_NSN_GP_HYBRID);
 }
 
 #endif
 
-static const method methods[] = {{"tribo", solve_tribo, 0.0},
+enum { BODIES, TRIBO, SICONOS_FIRST };
+
+static const method methods[] = {{"tribo_bodies", solve_as_bodies, 0.0},
+                                 {"tribo", solve_as_blocks, 0.0},
 #ifdef TRIBO_HAVE_SICONOS
                                  {"prox_reg", solve_proximal, 1.0 / 30.0},
                                  {"nsgs_quartic", solve_quartic, 1.0 / 30.0},
@@ -276,7 +326,10 @@ enum { METHODS = sizeof methods / sizeof methods[0], CURVES = METHODS + 1, TIGHT
 typedef struct outcome {
     double seconds; /* infinite: not reached */
     double error;
+    int stopped; /* by the limit of time */
 } outcome;
+
+static const outcome none = {HUGE_VAL, HUGE_VAL, 0};
 
 /* What a process of its own has found so far. */
 typedef struct shared {
@@ -285,25 +338,34 @@ typedef struct shared {
     volatile int done;
 } shared;
 
-static void repeat(const method *m, const problem *given, double tolerance, unsigned limit,
+/* SIGPROF ends the process after so many seconds of the processor. */
+static void set_limit(double seconds)
+{
+    struct itimerval timer = {{0, 0}, {0, 0}};
+    timer.it_value.tv_sec = (time_t)seconds;
+    timer.it_value.tv_usec = (suseconds_t)(1e6 * (seconds - floor(seconds)));
+    setitimer(ITIMER_PROF, &timer, NULL);
+}
+
+static void repeat(const method *m, const task *given, double tolerance, double limit,
                    shared *found)
 {
-    double *r = allocate(3 * given->count, sizeof *r);
+    double *r = allocate(3 * given->assembled.count, sizeof *r);
     const double start = now(NULL);
     for (int i = 0; i < REPETITIONS && (i == 0 || now(NULL) - start < repeat_seconds); i++) {
-        memset(r, 0, 3 * given->count * sizeof *r);
-        alarm(limit);
+        memset(r, 0, 3 * given->assembled.count * sizeof *r);
+        set_limit(limit);
         const double seconds = m->solve(given, tolerance, r);
         found->seconds = i == 0 || seconds < found->seconds ? seconds : found->seconds;
-        found->error = error_of(given, r);
+        found->error = error_of(&given->assembled, r);
         found->done = 1;
     }
     free(r);
 }
 
-static outcome measure(const method *m, const problem *given, double tolerance, unsigned limit)
+static outcome measure(const method *m, const task *given, double tolerance, double limit)
 {
-    outcome out = {HUGE_VAL, HUGE_VAL};
+    outcome out = none;
     int status = 0;
     shared *found =
         mmap(NULL, sizeof *found, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
@@ -327,36 +389,61 @@ static outcome measure(const method *m, const problem *given, double tolerance, 
         out.seconds = found->seconds;
         out.error = found->error;
     }
+    out.stopped = !found->done && WIFSIGNALED(status) && WTERMSIG(status) == SIGPROF;
     munmap(found, sizeof *found);
     return out;
 }
 
 /* The first run that meets the goal; infinite seconds, if none does. */
-static outcome time_to(const method *m, const problem *given, double goal, unsigned limit)
+static outcome time_to(const method *m, const task *given, double goal, double limit)
 {
-    const outcome none = {HUGE_VAL, HUGE_VAL};
     double tolerance = goal;
+    outcome last = none;
     for (int i = 0; i < (m->tightening > 0.0 ? TIGHTENINGS : 1); i++) {
         const outcome got = measure(m, given, tolerance, limit);
         if (got.error <= goal) {
             return got;
         }
+        last.stopped = got.stopped;
         if (got.seconds == HUGE_VAL) {
             break; /* stopped, or failed: a tighter tolerance will be no better */
         }
         tolerance *= m->tightening;
     }
-    return none;
+    return last;
 }
 
-/* ---- all problems ------------------------------------------------------------------------- */
+/* ---- problems in series ------------------------------------------------------------------- */
 
 typedef struct record {
-    char file[NAME];
+    char name[NAME];
     unsigned contacts;
-    double recorded[GOALS]; /* seconds of the best of 44; infinite: none */
+    double reference[GOALS]; /* seconds of the curve behind the methods; infinite: none */
     outcome found[METHODS][GOALS];
 } record;
+
+/* Problems in one table. Their methods are those from `first` on, then the reference. */
+typedef struct series {
+    const char *title; /* after their number */
+    const char *file;  /* of the pictures */
+    const char *reference;
+    const char *heading; /* of the reference's column */
+    int first;
+    size_t count;
+    record records[PROBLEMS];
+} series;
+
+static series recorded = {.title = "recorded problems",
+                          .file = "siconos",
+                          .reference = "best of 44, recorded",
+                          .heading = "best/44",
+                          .first = TRIBO};
+
+static series towers = {.title = "towers",
+                        .file = "siconos-towers",
+                        .reference = "best of Siconos here",
+                        .heading = "best",
+                        .first = BODIES};
 
 /* A time as the collection writes it, "4.7e-02 prox_fb", or "-". */
 static double recorded_time(const char *field)
@@ -367,14 +454,13 @@ static double recorded_time(const char *field)
 }
 
 /* Fields: file, format, contacts, rank, rows, condition, mu, then times to 1e-3, 1e-6, 1e-9... */
-static size_t read_manifest(const char *data, record *records)
+static void read_manifest(const char *data)
 {
     char path[4096];
     char line[1024];
-    size_t count = 0;
     snprintf(path, sizeof path, "%s/fc/MANIFEST.tsv", data);
     FILE *stream = fopen(path, "r");
-    while (stream && count < PROBLEMS && fgets(line, sizeof line, stream)) {
+    while (stream && recorded.count < PROBLEMS && fgets(line, sizeof line, stream)) {
         char *fields[11];
         size_t got = 0;
         for (char *at = line; at && got < 11; got++) {
@@ -385,31 +471,29 @@ static size_t read_manifest(const char *data, record *records)
             }
         }
         if (got == 11 && atoi(fields[2]) > CONTACTS_ABOVE) {
-            record *r = &records[count++];
-            memset(r, 0, sizeof *r);
-            snprintf(r->file, sizeof r->file, "%.*s", NAME - 1, fields[0]);
+            record *r = &recorded.records[recorded.count++];
+            snprintf(r->name, sizeof r->name, "%.*s", NAME - 1, fields[0]);
             r->contacts = (unsigned)atoi(fields[2]);
-            r->recorded[0] = recorded_time(fields[8]);
-            r->recorded[1] = recorded_time(fields[9]);
+            r->reference[0] = recorded_time(fields[8]);
+            r->reference[1] = recorded_time(fields[9]);
         }
     }
     if (stream) {
         fclose(stream);
     }
-    return count;
 }
 
-static void print_head(void)
+static void print_head(const series *of)
 {
     printf("%-34s %5s %6s", "problem", "cont.", "goal");
-    for (int m = 0; m < METHODS; m++) {
-        printf("  %12s %7s", methods[m].name, "E_inv");
+    for (int m = of->first; m < METHODS; m++) {
+        printf("  %13s %7s", methods[m].name, "E_inv");
     }
-    printf("  %8s", "best/44");
-    for (int m = 1; m < METHODS; m++) {
+    printf("  %10s", of->heading);
+    for (int m = of->first + 1; m < METHODS; m++) {
         printf("  /%s", methods[m].name);
     }
-    printf("  /best44\n");
+    printf("  /%s\n", of->heading);
 }
 
 static void print_ratio(double seconds, double other, int width)
@@ -419,58 +503,90 @@ static void print_ratio(double seconds, double other, int width)
     } else if (other == HUGE_VAL) {
         printf("  %*s", width, "only");
     } else {
-        printf("  %*.3f", width, seconds / other);
+        printf("  %*.3g", width, seconds / other);
     }
 }
 
-static void print_row(const record *r, int goal)
+static void print_row(const series *of, const record *r, int goal)
 {
-    printf("%-34.34s %5u %6.0e", r->file, r->contacts, goals[goal]);
-    for (int m = 0; m < METHODS; m++) {
+    const double mine = r->found[of->first][goal].seconds;
+    printf("%-34.34s %5u %6.0e", r->name, r->contacts, goals[goal]);
+    for (int m = of->first; m < METHODS; m++) {
         const outcome *o = &r->found[m][goal];
         if (o->seconds == HUGE_VAL) {
-            printf("  %12s %7s", "-", "");
+            printf("  %13s %7s", o->stopped ? "too long" : "-", "");
         } else {
             printf("  %10.3f ms %7.0e", 1e3 * o->seconds, o->error);
         }
     }
-    printf("  %5.2f ms", 1e3 * r->recorded[goal]);
-    for (int m = 1; m < METHODS; m++) {
-        print_ratio(r->found[0][goal].seconds, r->found[m][goal].seconds,
-                    (int)strlen(methods[m].name) + 1);
+    if (r->reference[goal] == HUGE_VAL) {
+        printf("  %10s", "-");
+    } else {
+        printf("  %7.2f ms", 1e3 * r->reference[goal]);
     }
-    print_ratio(r->found[0][goal].seconds, r->recorded[goal], 7);
+    for (int m = of->first + 1; m < METHODS; m++) {
+        print_ratio(mine, r->found[m][goal].seconds, (int)strlen(methods[m].name) + 1);
+    }
+    print_ratio(mine, r->reference[goal], (int)strlen(of->heading) + 1);
     putchar('\n');
 }
 
-/* Seconds of a curve: a method, or what is recorded. */
+/* Seconds of a curve: a method, or the reference. */
 static double seconds_of(const record *r, int curve, int goal)
 {
-    return curve < METHODS ? r->found[curve][goal].seconds : r->recorded[goal];
+    return curve < METHODS ? r->found[curve][goal].seconds : r->reference[goal];
 }
 
-static const char *name_of(int curve)
+static const char *name_of(const series *of, int curve)
 {
-    return curve < METHODS ? methods[curve].name : "best of 44, recorded";
+    return curve < METHODS ? methods[curve].name : of->reference;
 }
 
-static void print_means(const record *records, size_t count, int goal)
+/* Geometric mean of the times of `mine` over those of a curve, where both meet the goal; number of
+ * those. What the
+ * curve takes too long for counts as `stopped` seconds. */
+static size_t mean_ratio(const series *of, int mine, int curve, int goal, double stopped,
+                         double *mean)
 {
-    for (int curve = 0; curve < CURVES; curve++) {
-        size_t met = 0;
-        size_t both = 0;
-        double sum = 0.0;
-        for (size_t i = 0; i < count; i++) {
-            const double mine = seconds_of(&records[i], 0, goal);
-            const double other = seconds_of(&records[i], curve, goal);
-            met += other < HUGE_VAL;
-            both += mine < HUGE_VAL && other < HUGE_VAL;
-            sum += mine < HUGE_VAL && other < HUGE_VAL ? log(mine / other) : 0.0;
+    size_t both = 0;
+    double sum = 0.0;
+    for (size_t i = 0; i < of->count; i++) {
+        const record *r = &of->records[i];
+        const double own = seconds_of(r, mine, goal);
+        double other = seconds_of(r, curve, goal);
+        if (curve < METHODS && r->found[curve][goal].stopped) {
+            other = stopped;
         }
-        printf("  to %.0e: %-22s meets %2zu of %zu", goals[goal], name_of(curve), met, count);
-        if (curve > 0 && both > 0) {
-            printf("; tribo takes %.3f of its time (geometric mean of %zu)",
-                   exp(sum / (double)both), both);
+        if (own < HUGE_VAL && other < HUGE_VAL) {
+            both++;
+            sum += log(own / other);
+        }
+    }
+    *mean = exp(sum / (double)(both > 0 ? both : 1));
+    return both;
+}
+
+static void print_means(const series *of, int goal, double limit)
+{
+    for (int curve = of->first; curve < CURVES; curve++) {
+        size_t met = 0;
+        for (size_t i = 0; i < of->count; i++) {
+            met += seconds_of(&of->records[i], curve, goal) < HUGE_VAL;
+        }
+        printf("  to %.0e: %-22s meets %2zu of %zu", goals[goal], name_of(of, curve), met,
+               of->count);
+        for (int mine = of->first; mine <= TRIBO && mine < curve; mine++) {
+            double mean = 1.0;
+            double most = 1.0;
+            const size_t both = mean_ratio(of, mine, curve, goal, HUGE_VAL, &mean);
+            const size_t all = mean_ratio(of, mine, curve, goal, limit, &most);
+            if (both > 0) {
+                printf("; %s takes %.3g of its time (geometric mean of %zu)", methods[mine].name,
+                       mean, both);
+            }
+            if (all > both) {
+                printf("; %s at most %.3g of %zu", methods[mine].name, most, all);
+            }
         }
         putchar('\n');
     }
@@ -486,15 +602,17 @@ static int compare(const void *left, const void *right)
 }
 
 /* Share of the problems that a curve solves within a factor of the fastest, as steps. */
-static void put_profile(FILE *gnuplot, const record *records, size_t count, int curve, int goal)
+static void put_profile(FILE *gnuplot, const series *of, int curve, int goal)
 {
+    const size_t count = of->count;
     double ratios[PROBLEMS];
     for (size_t i = 0; i < count; i++) {
+        const record *r = &of->records[i];
         double best = HUGE_VAL;
-        for (int c = 0; c < CURVES; c++) {
-            best = fmin(best, seconds_of(&records[i], c, goal));
+        for (int c = of->first; c < CURVES; c++) {
+            best = fmin(best, seconds_of(r, c, goal));
         }
-        ratios[i] = best < HUGE_VAL ? seconds_of(&records[i], curve, goal) / best : HUGE_VAL;
+        ratios[i] = best < HUGE_VAL ? seconds_of(r, curve, goal) / best : HUGE_VAL;
     }
     qsort(ratios, count, sizeof *ratios, compare);
     fprintf(gnuplot, "$curve%d << END\n1 0\n", curve);
@@ -505,9 +623,10 @@ static void put_profile(FILE *gnuplot, const record *records, size_t count, int 
     fprintf(gnuplot, "1e9 %.6g\nEND\n", (double)met / (double)count);
 }
 
-static void plot_profile(const char *folder, const record *records, size_t count, int goal)
+static void plot_profile(const char *folder, const series *of, int goal)
 {
-    static const char *const colours[] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000"};
+    static const char *const colours[] = {"#56B4E9", "#0072B2", "#D55E00",
+                                          "#009E73", "#CC79A7", "#000000"};
     FILE *gnuplot = popen("LC_ALL=C.UTF-8 gnuplot", "w");
     if (!gnuplot) {
         perror("gnuplot");
@@ -515,87 +634,178 @@ static void plot_profile(const char *folder, const record *records, size_t count
     }
     fprintf(gnuplot,
             "set encoding utf8\nset terminal svg size 900,560 dynamic enhanced"
-            " font 'Helvetica,15' background '#ffffff'\nset output '%s/siconos-%.0e.svg'\n"
+            " font 'Helvetica,15' background '#ffffff'\nset output '%s/%s-%.0e.svg'\n"
             "set border linecolor '#444444'\nset grid linecolor '#dddddd'\nset logscale x\n"
             "set xrange [1:1e5]\nset yrange [0:1.03]\nset key right bottom\n"
             "set format x '10^{%%T}'\nset xlabel 'time over that of the fastest'\n"
             "set ylabel 'share of the problems that are solved'\n"
-            "set title '%zu recorded problems to E_{inv} = %.0e'\n",
-            folder, goals[goal], count, goals[goal]);
-    for (int curve = 0; curve < CURVES; curve++) {
-        put_profile(gnuplot, records, count, curve, goal);
+            "set title '%zu %s to E_{inv} = %.0e'\n",
+            folder, of->file, goals[goal], of->count, of->title, goals[goal]);
+    for (int curve = of->first; curve < CURVES; curve++) {
+        put_profile(gnuplot, of, curve, goal);
     }
-    for (int curve = 0; curve < CURVES; curve++) {
+    for (int curve = of->first; curve < CURVES; curve++) {
         const int last = curve == CURVES - 1;
         fprintf(gnuplot,
                 "%s $curve%d using 1:2 with steps linewidth %d linecolor '%s' dashtype %d"
                 " title '%s' noenhanced%s",
-                curve == 0 ? "plot" : "", curve, curve == 0 ? 4 : 2, colours[last ? 4 : curve],
-                last ? 2 : 1, name_of(curve), last ? "\n" : ",");
+                curve == of->first ? "plot" : "", curve, curve <= TRIBO ? 4 : 2,
+                colours[last ? 5 : curve], last ? 2 : 1, name_of(of, curve), last ? "\n" : ",");
     }
     if (pclose(gnuplot) == 0) {
-        printf("  profile: %s/siconos-%.0e.svg\n", folder, goals[goal]);
+        printf("  profile: %s/%s-%.0e.svg\n", folder, of->file, goals[goal]);
     }
 }
 
 /* ---- the bench ---------------------------------------------------------------------------- */
 
-static int run_problem(const char *data, record *r, unsigned limit)
+static void time_methods(const series *of, const task *given, record *r, double limit)
+{
+    for (int goal = 0; goal < GOALS; goal++) {
+        for (int m = of->first; m < METHODS; m++) {
+            outcome *out = &r->found[m][goal];
+            /* what was too long to the goal before is too long to this one */
+            *out = none;
+            out->stopped = goal > 0 && r->found[m][goal - 1].stopped;
+            if (!out->stopped) {
+                *out = time_to(&methods[m], given, goals[goal], limit);
+            }
+        }
+    }
+}
+
+static int run_recorded(const char *data, record *r, double limit)
 {
     char path[4096];
-    problem given;
-    snprintf(path, sizeof path, "%s/fc/%s", data, r->file);
-    if (problem_read(path, &given) != 0) {
+    task given = {.scene = NULL};
+    snprintf(path, sizeof path, "%s/fc/%s", data, r->name);
+    if (problem_read(path, &given.assembled) != 0) {
         return 1;
     }
+    time_methods(&recorded, &given, r, limit);
     for (int goal = 0; goal < GOALS; goal++) {
-        for (int m = 0; m < METHODS; m++) {
-            r->found[m][goal] = time_to(&methods[m], &given, goals[goal], limit);
-        }
-        print_row(r, goal);
+        print_row(&recorded, r, goal);
     }
-    problem_free(&given);
+    problem_free(&given.assembled);
     return 0;
 }
 
-static void summarise(const char *program, const record *records, size_t count)
+static void run_tower(const char *kind, size_t boxes, systems_scene *scene, double limit)
+{
+    record *r = &towers.records[towers.count++];
+    systems_blocks blocks;
+    systems_assemble(scene, &blocks);
+    const task given = {.assembled = {.count = blocks.count,
+                                      .row_starts = blocks.row_starts,
+                                      .columns = blocks.columns,
+                                      .blocks = blocks.blocks,
+                                      .q = blocks.q,
+                                      .mu = blocks.mu},
+                        .scene = scene};
+    snprintf(r->name, sizeof r->name, "%zu boxes, %s", boxes, kind);
+    r->contacts = (unsigned)scene->count;
+    time_methods(&towers, &given, r, limit);
+    for (int goal = 0; goal < GOALS; goal++) {
+        r->reference[goal] = HUGE_VAL;
+        for (int m = SICONOS_FIRST; m < METHODS; m++) {
+            r->reference[goal] = fmin(r->reference[goal], r->found[m][goal].seconds);
+        }
+        print_row(&towers, r, goal);
+    }
+    systems_free_blocks(&blocks);
+    systems_free(scene);
+}
+
+static void run_towers(double limit)
+{
+    static const size_t heights[] = {10, 20, 50};
+    static const struct {
+        const char *name;
+        uint32_t masses;
+        double ratio;
+    } kinds[] = {{"equal", SYSTEMS_TOP, 1.0},
+                 {"top 1000 times", SYSTEMS_TOP, 1000.0},
+                 {"alternately 1000 times", SYSTEMS_ALTERNATE, 1000.0}};
+    for (size_t i = 0; i < sizeof heights / sizeof *heights; i++) {
+        systems_scene scene;
+        for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+            systems_tower(&scene, heights[i], kinds[k].masses, kinds[k].ratio, 0.5);
+            run_tower(kinds[k].name, heights[i], &scene, limit);
+        }
+        for (uint64_t seed = 1; seed <= SLIDING; seed++) {
+            char name[NAME];
+            systems_sliding_tower(&scene, heights[i], seed);
+            snprintf(name, sizeof name, "sliding, seed %d", (int)seed);
+            run_tower(name, heights[i], &scene, limit);
+        }
+    }
+}
+
+static void summarise(const char *program, const series *of, double limit)
 {
     char folder[4096];
     snprintf(folder, sizeof folder, "%s", program);
     char *slash = strrchr(folder, '/');
     snprintf(slash ? slash : folder, 2, "%s", slash ? "" : ".");
     for (int goal = 0; goal < GOALS; goal++) {
-        print_means(records, count, goal);
+        print_means(of, goal, limit);
         if (system("command -v gnuplot >/dev/null 2>&1") == 0) {
-            plot_profile(folder, records, count, goal);
+            plot_profile(folder, of, goal);
         }
     }
 }
 
+/* OpenMP and the BLAS read these when they are loaded. Returns 1 if they had to be set. */
+static int set_one_thread(void)
+{
+    static const char *const names[] = {"OMP_THREAD_LIMIT", "OPENBLAS_NUM_THREADS"};
+    int changed = 0;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        const char *value = getenv(names[i]);
+        if (!value || strcmp(value, "1") != 0) {
+            changed |= setenv(names[i], "1", 1) == 0;
+        }
+    }
+    return changed;
+}
+
+static double limit_of(const char *argument)
+{
+    const char *text = argument ? argument : getenv("TRIBO_BENCH_SECONDS");
+    const double seconds = text ? atof(text) : 20.0;
+    if (!(seconds > 0.0 && seconds < 1e6)) {
+        fprintf(stderr, "siconos: %s is no time limit\n", text);
+        exit(2);
+    }
+    return seconds;
+}
+
 int main(int argc, char **argv)
 {
-    static record records[PROBLEMS];
     const char *data = getenv("TRIBO_DATA");
-    const unsigned limit = argc > 1 ? (unsigned)atoi(argv[1]) : 20;
+    const double limit = limit_of(argc > 1 ? argv[1] : NULL);
     int failed = 0;
-    if (!data || !*data) {
-        puts("siconos: skipped, TRIBO_DATA does not name a folder with recorded problems");
-        return 0;
-    }
-    /* The BLAS beneath Siconos reads this when it is loaded. */
-    if (!getenv("OPENBLAS_NUM_THREADS") && setenv("OPENBLAS_NUM_THREADS", "1", 1) == 0) {
+    if (set_one_thread()) {
         execv(argv[0], argv);
     }
-    const size_t count = read_manifest(data, records);
-    printf("\nRecorded problems of more than %d contacts, time to E_inv; a solve has %u s\n",
-           (int)CONTACTS_ABOVE, limit);
-    if (METHODS == 1) {
+    if ((int)METHODS == (int)SICONOS_FIRST) {
         puts("siconos: its solvers are skipped, they were not there when this was built");
     }
-    print_head();
-    for (size_t i = 0; i < count; i++) {
-        failed |= run_problem(data, &records[i], limit);
+    printf("\nTowers of boxes from a cold start, time to E_inv; a solve has %g s\n", limit);
+    print_head(&towers);
+    run_towers(limit);
+    summarise(argv[0], &towers, limit);
+    if (!data || !*data) {
+        puts("siconos: recorded problems are skipped, TRIBO_DATA does not name their folder");
+        return 0;
     }
-    summarise(argv[0], records, count);
+    read_manifest(data);
+    printf("\nRecorded problems of more than %d contacts, time to E_inv; a solve has %g s\n",
+           (int)CONTACTS_ABOVE, limit);
+    print_head(&recorded);
+    for (size_t i = 0; i < recorded.count; i++) {
+        failed |= run_recorded(data, &recorded.records[i], limit);
+    }
+    summarise(argv[0], &recorded, limit);
     return failed;
 }

@@ -1,10 +1,16 @@
 /* Nanoseconds per contact and sweep of Gauss-Seidel with the exact local solve, by instruction set,
- * threads and working set, and how far the sweeps get: greatest eta after 10 and 100 of them.
+ * threads and working set, and how far the sweeps get: greatest eta after 10 and 100 of them, by
+ * the library's certificate, which the tests compare with quad precision.
+ *
+ *   sweep [CONTACTS]     greatest number of contacts (1000000)
  *
  * Timed sweeps go on from ten that were done before, so that roots of slips are known, as they are
  * in any but the first sweeps; the start of each run (bodies' velocities from the impulses) is in
- * the figure. One thread is timed by its own clock, two by that of the wall. Nothing is pinned. */
-#define _POSIX_C_SOURCE 200809L
+ * the figure. One thread is timed by its own clock; two by that of the wall, each kept to one
+ * processor (on Linux), a task of each colour for either. Where other programs run, their figure is
+ * an upper bound: `cores` says how many processors the rounds were given, 2 if there are no
+ * others. */
+#define _GNU_SOURCE /* of POSIX.1-2008: threads, clocks; besides: CPU_SET */
 
 #include <math.h>
 #include <pthread.h>
@@ -15,22 +21,30 @@
 #include <time.h>
 
 #include "../support/coupled.h"
-#include "../support/quad_system.h"
+#include "certificate.h"
 #include "sweep.h"
 
-enum { ROUNDS = 7, JUDGED = 200000, SPINS = 4000 };
+enum { LEAST_ROUNDS = 3, ROUNDS = 64, SPINS = 1000000 };
+
+static const double budget = 1e8; /* ns of rounds for each row */
+static int differs;               /* a row gave other bits */
 
 /* ---- two threads ----------------------------------------------------------------------------- */
 
-/* Work of one call, shared between the caller and one helper. */
+/* Work of one call, shared between the caller, which takes tasks from the first on, and one helper,
+ * which takes them from the last on: so a thread meets the same contacts in each sweep.
+ *
+ * `ticket` holds the number of the call and how many tasks are left between the two ends. A thread
+ * takes a task by changing the ticket that it read before it read the rest, which is written while
+ * no tasks are left. So the caller need not wait for a helper that came too late, or that the
+ * system has put aside: it does all tasks itself. */
 static struct {
-    void (*task)(void *data, uint32_t i);
+    uint64_t ticket;                      /* atomic: call << 32 | first << 16 | end */
+    uint32_t left;                        /* atomic: tasks that are not done */
+    uint32_t here;                        /* atomic: the helper has begun */
+    uint32_t over;                        /* atomic */
+    void (*task)(void *data, uint32_t i); /* these two: atomic */
     void *data;
-    uint32_t count;
-    uint32_t next, done; /* atomic */
-    uint32_t round;      /* atomic: counts the calls; the helper waits for the next */
-    uint32_t over;       /* atomic */
-    uint32_t idle;       /* atomic: the helper is not at work */
 } shared;
 
 static void pause_spinning(uint32_t *spins)
@@ -40,50 +54,53 @@ static void pause_spinning(uint32_t *spins)
     }
 }
 
-static void work(void)
+/* Do one task, if there is one. */
+static int work(int from_end)
 {
-    uint32_t i = __atomic_fetch_add(&shared.next, 1, __ATOMIC_ACQ_REL);
-    while (i < shared.count) {
-        shared.task(shared.data, i);
-        __atomic_fetch_add(&shared.done, 1, __ATOMIC_ACQ_REL);
-        i = __atomic_fetch_add(&shared.next, 1, __ATOMIC_ACQ_REL);
+    uint64_t ticket = __atomic_load_n(&shared.ticket, __ATOMIC_ACQUIRE);
+    const uint32_t first = (uint32_t)(ticket >> 16) & 0xffffu;
+    const uint32_t end = (uint32_t)ticket & 0xffffu;
+    void (*const task)(void *, uint32_t) = __atomic_load_n(&shared.task, __ATOMIC_RELAXED);
+    void *const data = __atomic_load_n(&shared.data, __ATOMIC_RELAXED);
+    if (first == end) {
+        return 0;
     }
+    const uint64_t rest = from_end ? ticket - 1 : ticket + 0x10000u;
+    if (__atomic_compare_exchange_n(&shared.ticket, &ticket, rest, 0, __ATOMIC_ACQ_REL,
+                                    __ATOMIC_RELAXED)) {
+        task(data, from_end ? end - 1 : first);
+        __atomic_fetch_sub(&shared.left, 1, __ATOMIC_RELEASE);
+    }
+    return 1;
 }
 
 static void *help(void *unused)
 {
-    uint32_t seen = 0;
     uint32_t spins = 0;
+    __atomic_store_n(&shared.here, 1, __ATOMIC_RELEASE);
     while (!__atomic_load_n(&shared.over, __ATOMIC_ACQUIRE)) {
-        const uint32_t now = __atomic_load_n(&shared.round, __ATOMIC_ACQUIRE);
-        if (now == seen) {
+        if (work(1)) {
+            spins = 0;
+        } else {
             pause_spinning(&spins);
-            continue;
         }
-        spins = 0;
-        seen = now;
-        work();
-        __atomic_store_n(&shared.idle, 1, __ATOMIC_RELEASE);
     }
     return unused;
 }
 
-/* Until the helper is idle again, too: it must not see the next call's task with this one's
- * count. */
 static void parallel(void *user, void (*task)(void *data, uint32_t i), void *data, uint32_t count)
 {
+    const uint64_t call = (__atomic_load_n(&shared.ticket, __ATOMIC_RELAXED) >> 32) + 1;
     uint32_t spins = 0;
     (void)user;
-    shared.task = task;
-    shared.data = data;
-    shared.count = count;
-    __atomic_store_n(&shared.next, 0, __ATOMIC_RELEASE);
-    __atomic_store_n(&shared.done, 0, __ATOMIC_RELEASE);
-    __atomic_store_n(&shared.idle, 0, __ATOMIC_RELEASE);
-    __atomic_fetch_add(&shared.round, 1, __ATOMIC_ACQ_REL);
-    work();
-    while (__atomic_load_n(&shared.done, __ATOMIC_ACQUIRE) < count ||
-           !__atomic_load_n(&shared.idle, __ATOMIC_ACQUIRE)) {
+    __atomic_store_n(&shared.task, task, __ATOMIC_RELAXED);
+    __atomic_store_n(&shared.data, data, __ATOMIC_RELAXED);
+    __atomic_store_n(&shared.left, count, __ATOMIC_RELAXED);
+    __atomic_store_n(&shared.ticket, call << 32 | count, __ATOMIC_RELEASE);
+    while (work(0)) {
+        continue;
+    }
+    while (__atomic_load_n(&shared.left, __ATOMIC_ACQUIRE) > 0) {
         pause_spinning(&spins);
     }
 }
@@ -128,10 +145,10 @@ static void make_frictionless(systems_scene *out, size_t contacts)
 
 /* ---- measuring ------------------------------------------------------------------------------- */
 
-static double now(uint32_t threads)
+static double now(clockid_t clock)
 {
     struct timespec t;
-    clock_gettime(threads > 1 ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID, &t);
+    clock_gettime(clock, &t);
     return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
 }
 
@@ -157,60 +174,144 @@ static int compare(const void *x, const void *y)
     return (a > b) - (a < b);
 }
 
+#ifdef __linux__
+
+static cpu_set_t allowed; /* to the caller before it was kept to one */
+
+/* Keep a thread to the processor of that number among those allowed. */
+static void pin(pthread_t thread, int number)
+{
+    cpu_set_t one;
+    int cpu = 0;
+    CPU_ZERO(&one);
+    for (int found = -1; cpu < CPU_SETSIZE && found < number; cpu++) {
+        found += CPU_ISSET((size_t)cpu, &allowed) ? 1 : 0;
+    }
+    CPU_SET((size_t)(cpu - 1), &one);
+    pthread_setaffinity_np(thread, sizeof one, &one);
+}
+
+static void pin_both(pthread_t helper)
+{
+    pthread_getaffinity_np(pthread_self(), sizeof allowed, &allowed);
+    if (CPU_COUNT(&allowed) > 1) {
+        pin(helper, 1);
+        pin(pthread_self(), 0);
+    }
+}
+
+static void unpin(void)
+{
+    pthread_setaffinity_np(pthread_self(), sizeof allowed, &allowed);
+}
+
+#else
+
+static void pin_both(pthread_t helper)
+{
+    (void)helper;
+}
+
+static void unpin(void)
+{
+}
+
+#endif
+
+static pthread_t start_helper(void)
+{
+    pthread_t helper;
+    __atomic_store_n(&shared.here, 0, __ATOMIC_RELEASE);
+    __atomic_store_n(&shared.over, 0, __ATOMIC_RELEASE);
+    need(pthread_create(&helper, NULL, help, NULL) == 0, "second thread");
+    pin_both(helper);
+    while (!__atomic_load_n(&shared.here, __ATOMIC_ACQUIRE)) {
+        sched_yield();
+    }
+    return helper;
+}
+
+static void stop_helper(pthread_t helper)
+{
+    __atomic_store_n(&shared.over, 1, __ATOMIC_RELEASE);
+    need(pthread_join(helper, NULL) == 0, "end of the second thread");
+    unpin();
+}
+
+static void do_nothing(void *data, uint32_t i)
+{
+    (void)data;
+    (void)i;
+}
+
+/* What a call costs whose tasks are empty. */
+static void print_call(void)
+{
+    enum { CALLS = 20000 };
+    double ns[ROUNDS];
+    const pthread_t helper = start_helper();
+    for (int i = 0; i < ROUNDS; i++) {
+        const double before = now(CLOCK_MONOTONIC);
+        for (int k = 0; k < CALLS; k++) {
+            parallel(NULL, do_nothing, NULL, 2);
+        }
+        ns[i] = (now(CLOCK_MONOTONIC) - before) / (double)CALLS;
+    }
+    stop_helper(helper);
+    qsort(ns, ROUNDS, sizeof *ns, compare);
+    printf("Two threads: a call with two empty tasks takes %.0f ns (median; least %.0f)\n",
+           ns[ROUNDS / 2], ns[0]);
+}
+
 typedef struct row {
-    double median, least, prepare; /* ns per contact */
+    double median, least; /* ns per contact and sweep */
+    double cores;         /* processors that were given, waiting in a loop included */
 } row;
 
-static row measure(const coupled *c, uint32_t isa, uint32_t threads, const double *start)
+static row measure(sweep *s, size_t count, uint32_t threads, const double *start, double *r,
+                   double *first)
 {
-    const size_t count = c->problem.count;
-    const size_t bytes = 3 * count * sizeof(double);
-    const uint32_t sweeps = count < 2000 ? 200 : count < 200000 ? 20 : 5;
-    const int rounds = count < 200000 ? ROUNDS : 3;
-    void *memory = allocate(sweep_size(c->problem.count, c->problem.bodies));
-    double *r = allocate(bytes);
+    const size_t bytes = 3 * count * sizeof *r;
+    const clockid_t clock = threads > 1 ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID;
+    const uint32_t sweeps = count < 2000 ? 200 : count < 20000 ? 20 : count < 200000 ? 5 : 3;
+    const pthread_t helper = threads > 1 ? start_helper() : pthread_self();
+    const double begun = now(CLOCK_MONOTONIC);
+    const double used = now(CLOCK_PROCESS_CPUTIME_ID);
     double ns[ROUNDS];
-    pthread_t helper;
     row out;
-    const double begun = now(1);
-    sweep *s = sweep_prepare(&c->problem, isa, memory);
-    out.prepare = (now(1) - begun) / (double)count;
-    memcpy(r, start, bytes);
-    sweep_run(s, 1, r, NULL, NULL, NULL, 1);
-    if (threads > 1) {
-        __atomic_store_n(&shared.round, 0, __ATOMIC_RELEASE);
-        __atomic_store_n(&shared.over, 0, __ATOMIC_RELEASE);
-        need(pthread_create(&helper, NULL, help, NULL) == 0, "second thread");
-    }
-    for (int i = 0; i < rounds; i++) {
+    int rounds = 0;
+    while (rounds < LEAST_ROUNDS || (rounds < ROUNDS && now(CLOCK_MONOTONIC) - begun < budget)) {
         memcpy(r, start, bytes);
-        const double before = now(threads);
+        const double before = now(clock);
         sweep_run(s, sweeps, r, NULL, threads > 1 ? parallel : NULL, NULL, threads);
-        ns[i] = (now(threads) - before) / (double)sweeps / (double)count;
+        ns[rounds++] = (now(clock) - before) / (double)sweeps / (double)count;
+        if (rounds == 1) {
+            memcpy(first, r, bytes); /* later rounds start from other roots */
+        }
     }
+    out.cores = (now(CLOCK_PROCESS_CPUTIME_ID) - used) / (now(CLOCK_MONOTONIC) - begun);
     if (threads > 1) {
-        __atomic_store_n(&shared.over, 1, __ATOMIC_RELEASE);
-        need(pthread_join(helper, NULL) == 0, "end of the second thread");
+        stop_helper(helper);
     }
     qsort(ns, (size_t)rounds, sizeof *ns, compare);
     out.median = ns[rounds / 2];
     out.least = ns[0];
-    free(memory);
-    free(r);
     return out;
 }
 
-/* Greatest eta as text; none of very large systems, for it is summed in quadruple precision. */
-static void judge(const systems_scene *scene, const double *r, char out[16])
+/* Greatest eta. */
+static double judge(const system_problem *problem, const double *r)
 {
-    quad_certificate judged;
-    if (scene->count > JUDGED) {
-        memcpy(out, "-", 2);
-        return;
-    }
-    quad_certificate_of_bodies(scene->body_count, scene->bodies, scene->count, scene->contacts, r,
-                               NULL, &judged);
-    snprintf(out, 16, "%.1e", judged.eta);
+    tribo_system_info info = {.struct_size = sizeof info};
+    double *dv = allocate(6 * (size_t)problem->bodies * sizeof *dv);
+    double *scratch = allocate(6 * (size_t)problem->bodies * sizeof *scratch);
+    double *u = allocate(3 * (size_t)problem->count * sizeof *u);
+    certificate_velocity(problem, r, dv, u);
+    certificate_write(problem, r, u, scratch, &info);
+    free(dv);
+    free(scratch);
+    free(u);
+    return info.eta;
 }
 
 /* Shares of contacts that are open, stick and slip. */
@@ -225,40 +326,83 @@ static void count_modes(const coupled *c, const double *r, double shares[3])
     }
 }
 
+/* What all rows of a scene have in common. */
+typedef struct ground {
+    const char *name;
+    size_t bodies;
+    coupled c;
+    double *start; /* impulses after ten sweeps */
+    double *end;   /* after the first row's first round */
+    double shares[3], eta[2];
+} ground;
+
+static void print_row(const ground *g, uint32_t isa, uint32_t threads, double prepare,
+                      const row *measured)
+{
+    const double count = (double)g->c.problem.count;
+    printf("%-12s %8.0f %9.0f  %3.0f %3.0f %3.0f  %-9s %u %7.1f %7.1f %5.2f %8.1f  %8.1e %8.1e\n",
+           g->name, count, (368.0 * count + 64.0 * (double)g->bodies) / 1024.0, g->shares[0],
+           g->shares[1], g->shares[2], tribo_isa_name(isa), threads, measured->median,
+           measured->least, measured->cores, prepare, g->eta[0], g->eta[1]);
+    fflush(stdout);
+}
+
+static void run_row(const ground *g, uint32_t isa, uint32_t threads, double *r)
+{
+    const system_problem *problem = &g->c.problem;
+    const size_t bytes = 3 * (size_t)problem->count * sizeof *r;
+    void *memory = allocate(sweep_size(problem->count, problem->bodies));
+    double *first = allocate(bytes);
+    const double begun = now(CLOCK_THREAD_CPUTIME_ID);
+    sweep *s = sweep_prepare(problem, isa, memory);
+    const double prepare = (now(CLOCK_THREAD_CPUTIME_ID) - begun) / (double)problem->count;
+    const row measured = measure(s, problem->count, threads, g->start, r, first);
+    print_row(g, isa, threads, prepare, &measured);
+    if (isa == TRIBO_ISA_SCALAR) {
+        memcpy(g->end, first, bytes);
+    } else if (memcmp(g->end, first, bytes) != 0) {
+        printf("NOT the bits of the scalar form in one thread\n");
+        differs = 1;
+    }
+    free(first);
+    free(memory);
+}
+
 static void run_scene(const char *name, void (*make)(systems_scene *out, size_t contacts),
                       size_t contacts)
 {
     systems_scene scene;
-    coupled c;
-    double shares[3];
+    ground g = {.name = name};
     make(&scene, contacts);
-    coupled_of_scene(&scene, &c);
-    char eta[2][16];
-    double *r = allocate(3 * scene.count * sizeof *r);
-    void *memory = allocate(sweep_size(c.problem.count, c.problem.bodies));
-    sweep *s = sweep_prepare(&c.problem, TRIBO_ISA_BEST, memory);
+    coupled_of_scene(&scene, &g.c);
+    g.bodies = scene.body_count;
+    const system_problem *problem = &g.c.problem;
+    const size_t bytes = 3 * scene.count * sizeof(double);
+    double *r = allocate(bytes);
+    void *memory = allocate(sweep_size(problem->count, problem->bodies));
+    sweep *s = sweep_prepare(problem, TRIBO_ISA_BEST, memory);
     sweep_run(s, 10, r, NULL, NULL, NULL, 1);
-    double *start = allocate(3 * scene.count * sizeof *start);
-    memcpy(start, r, 3 * scene.count * sizeof *r);
-    judge(&scene, r, eta[0]);
-    count_modes(&c, r, shares);
-    sweep_run(s, scene.count > JUDGED ? 0 : 90, r, NULL, NULL, NULL, 1);
-    judge(&scene, r, eta[1]);
+    g.start = allocate(bytes);
+    g.end = allocate(bytes);
+    memcpy(g.start, r, bytes);
+    count_modes(&g.c, r, g.shares);
+    g.eta[0] = judge(problem, r);
+    sweep_run(s, 90, r, NULL, NULL, NULL, 1);
+    g.eta[1] = judge(problem, r);
     free(memory);
     for (uint32_t isa = TRIBO_ISA_SCALAR; isa <= TRIBO_ISA_X86_64_V4; isa++) {
-        for (uint32_t threads = 1; threads <= 2 && tribo_isa_available(isa); threads++) {
-            const row measured = measure(&c, isa, threads, start);
-            printf("%-12s %8zu %9.0f  %3.0f %3.0f %3.0f  %-9s %u %7.1f %7.1f %8.1f  %8s %8s\n",
-                   name, scene.count,
-                   (368.0 * (double)scene.count + 64.0 * (double)scene.body_count) / 1024.0,
-                   shares[0], shares[1], shares[2], tribo_isa_name(isa), threads, measured.median,
-                   measured.least, measured.prepare, eta[0], eta[1]);
-            fflush(stdout);
+        if (tribo_isa_available(isa)) {
+            run_row(&g, isa, 1, r);
+        }
+        /* the scalar form is there to compare with */
+        if (tribo_isa_available(isa) && isa != TRIBO_ISA_SCALAR) {
+            run_row(&g, isa, 2, r);
         }
     }
     free(r);
-    free(start);
-    coupled_free(&c);
+    free(g.start);
+    free(g.end);
+    coupled_free(&g.c);
     systems_free(&scene);
 }
 
@@ -276,12 +420,14 @@ int main(int argc, char **argv)
            "Box3D, 25 ns per\npoint and sub-step, normal and lumped friction, floats, 4 lanes.\n"
            "KiB: contacts and bodies in a sweep; %%: contacts that are open, stick, slip after 10 "
            "sweeps; eta: the greatest, after 10 and 100 sweeps\n");
-    printf("%-12s %8s %9s  %3s %3s %3s  %-9s T %7s %7s %8s  %8s %8s\n", "scene", "contacts", "KiB",
-           "op", "st", "sl", "ISA", "median", "least", "prepare", "eta 10", "eta 100");
+    print_call();
+    printf("%-12s %8s %9s  %3s %3s %3s  %-9s T %7s %7s %5s %8s  %8s %8s\n", "scene", "contacts",
+           "KiB", "op", "st", "sl", "ISA", "median", "least", "cores", "prepare", "eta 10",
+           "eta 100");
     for (size_t k = 0; k < sizeof scenes / sizeof *scenes; k++) {
         for (double contacts = 100.0; contacts <= most; contacts *= 10.0) {
             run_scene(scenes[k].name, scenes[k].make, (size_t)contacts);
         }
     }
-    return 0;
+    return differs;
 }

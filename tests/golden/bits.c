@@ -5,11 +5,12 @@
  * files, and inputs made of integers by exact operations only, so that a difference in the hash is
  * one in the library. The sign and payload of NaN are no promise and are not hashed.
  *
- * TRIBO_ISA in the environment names the instruction set of the batch functions (default: best).
+ * TRIBO_ISA in the environment names the instruction set of batches and sweeps (default: best).
  * Exit status 77: this machine or build has no such instruction set.
  */
 #include "run.h"
 
+#include <tribo/system.h>
 #include <tribo/tribo.h>
 
 #include <inttypes.h>
@@ -659,7 +660,7 @@ static void batch_impulses(uint32_t isa, size_t count, int spread)
     }
 }
 
-static uint32_t batch_isa = TRIBO_ISA_BEST;
+static uint32_t chosen_isa = TRIBO_ISA_BEST;
 
 static void run_batch(void)
 {
@@ -668,12 +669,511 @@ static void run_batch(void)
     }
     put_u64(tribo_isa_available(TRIBO_ISA_SCALAR) && tribo_isa_available(TRIBO_ISA_BASELINE));
     for (size_t count = 0; count < 20; ++count) {
-        batch_matrix(batch_isa, count);
-        batch_impulses(batch_isa, count, 4);
+        batch_matrix(chosen_isa, count);
+        batch_impulses(chosen_isa, count, 4);
     }
     for (int i = 0; i < 40; ++i) {
-        batch_matrix(batch_isa, CONTACTS);
-        batch_impulses(batch_isa, CONTACTS, i % 8 ? 4 : 450);
+        batch_matrix(chosen_isa, CONTACTS);
+        batch_impulses(chosen_isa, CONTACTS, i % 8 ? 4 : 450);
+    }
+}
+
+/* ---- system ---------------------------------------------------------------------------------- */
+
+/* The core alone: what SuiteSparse gives, which libtribo hands to Newton, is rounded as its BLAS
+ * rounds. In its place stands a plain elimination, so that the sparse matrices are hashed, too. */
+
+enum { MOST_BODIES = 1024, MOST_CONTACTS = 2048, MOST_UNKNOWNS = 128, MOST_BLOCKS = 64 * 64 };
+
+static tribo_body scene_bodies[MOST_BODIES];
+static tribo_system_contact scene_contacts[MOST_CONTACTS];
+static size_t scene_body_count, scene_count;
+
+static uint32_t add_body(const double half[3], const double position[3], double density)
+{
+    tribo_body *body = &scene_bodies[scene_body_count];
+    double mass = 0, inertia[9] = {0};
+    (void)tribo_mass_box(density, half, &mass, inertia);
+    (void)tribo_body_init(body);
+    (void)tribo_body_set_mass(body, mass, inertia);
+    memcpy(body->position, position, sizeof body->position);
+    body->velocity[2] = -9.81 * 0x1p-6;
+    return (uint32_t)scene_body_count++;
+}
+
+static tribo_system_contact *add_contact(uint32_t a, uint32_t b, const double point[3],
+                                         const double normal[3])
+{
+    tribo_system_contact *c = &scene_contacts[scene_count++];
+    memset(c, 0, sizeof *c);
+    c->a = a;
+    c->b = b;
+    c->dimension = 3;
+    c->pair.mu_s = c->pair.mu_d = 0.5;
+    memcpy(c->contact.normal, normal, sizeof c->contact.normal);
+    for (int i = 0; i < 3; ++i) {
+        c->contact.arm_a[i] = a == TRIBO_WORLD ? 0 : point[i] - scene_bodies[a].position[i];
+        c->contact.arm_b[i] = b == TRIBO_WORLD ? 0 : point[i] - scene_bodies[b].position[i];
+    }
+    return c;
+}
+
+/* The four corners of a face that looks up. */
+static void add_face(uint32_t a, uint32_t b, double x, double z, double half)
+{
+    static const double up[3] = {0, 0, 1};
+    for (int i = 0; i < 4; ++i) {
+        const double point[3] = {x + (i % 2 ? half : -half), i / 2 ? 0.5 : -0.5, z};
+        (void)add_contact(a, b, point, up);
+    }
+}
+
+static void clear_scene(void)
+{
+    scene_body_count = 0;
+    scene_count = 0;
+}
+
+static void make_tower(uint32_t height)
+{
+    static const double half[3] = {0.5, 0.5, 0.5};
+    clear_scene();
+    for (uint32_t i = 0; i < height; ++i) {
+        const double centre[3] = {0, 0, 0.5 + i};
+        const uint32_t own = add_body(half, centre, power(below(9)));
+        add_face(own, i == 0 ? TRIBO_WORLD : own - 1, 0, i, 0.5);
+    }
+}
+
+/* Bricks, each on halves of the two below. */
+static void make_wall(uint32_t rows, uint32_t columns)
+{
+    static const double half[3] = {1, 0.5, 0.5};
+    clear_scene();
+    for (uint32_t row = 0; row < rows; ++row) {
+        for (uint32_t i = 0; i < columns; ++i) {
+            const double x = 2.0 * i + (row % 2);
+            const double centre[3] = {x, 0, 0.5 + row};
+            const uint32_t own = add_body(half, centre, 1);
+            const uint32_t under = own - columns;
+            if (row == 0) {
+                add_face(own, TRIBO_WORLD, x, row, 1);
+                continue;
+            }
+            add_face(own, under, row % 2 ? x - 0.5 : x + 0.5, row, 0.5);
+            if (row % 2 ? i + 1 < columns : i > 0) {
+                add_face(own, row % 2 ? under + 1 : under - 1, row % 2 ? x + 0.5 : x - 0.5, row,
+                         0.5);
+            }
+        }
+    }
+}
+
+/* Each body touches its neighbours in a plane: few colours, so many blocks in each that tasks share
+ * them. */
+static void make_net(uint32_t side)
+{
+    static const double half[3] = {0.5, 0.5, 0.5};
+    clear_scene();
+    for (uint32_t i = 0; i < side * side; ++i) {
+        const double centre[3] = {i % side, i / side, 0};
+        const uint32_t own = add_body(half, centre, 1);
+        fill(scene_bodies[own].velocity, 3, 1);
+        for (uint32_t k = 0; k < 2; ++k) {
+            const uint32_t other = k == 0 ? own - 1 : own - side;
+            const double point[3] = {centre[0] - 0.5 * !k, centre[1] - 0.5 * k, 0};
+            double normal[3] = {!k, k, 0};
+            if (k == 0 ? i % side > 0 : i >= side) {
+                (void)add_contact(own, other, point, normal);
+            }
+        }
+    }
+}
+
+static int moves(uint32_t body)
+{
+    return body != TRIBO_WORLD && scene_bodies[body].inverse_mass > 0;
+}
+
+/* Any bodies, immovable and spoilt ones among them. */
+static void make_heap(int bodies, int contacts)
+{
+    clear_scene();
+    do {
+        scene_bodies[0] = make_body();
+    } while (!moves(0));
+    for (scene_body_count = 1; scene_body_count < (size_t)bodies; ++scene_body_count) {
+        scene_bodies[scene_body_count] = make_body();
+    }
+    while (scene_count < (size_t)contacts) {
+        double point[3], normal[3];
+        uint32_t ends[2];
+        for (int i = 0; i < 2; ++i) {
+            ends[i] = below(4) ? (uint32_t)below(bodies) : TRIBO_WORLD;
+        }
+        if ((ends[0] == ends[1] || !(moves(ends[0]) || moves(ends[1]))) && below(128)) {
+            continue;
+        }
+        fill(point, 3, 2);
+        make_normal(normal);
+        tribo_system_contact *c = add_contact(ends[0], ends[1], point, normal);
+        for (int i = 0; i < 3; ++i) {
+            c->contact.arm_a[i] = wide(2);
+            c->contact.arm_b[i] = wide(2);
+        }
+    }
+}
+
+/* Any of what a contact may have. */
+static void season(int restitution)
+{
+    for (size_t i = 0; i < scene_count; ++i) {
+        tribo_system_contact *c = &scene_contacts[i];
+        c->dimension = below(4) ? 3 : 1;
+        c->pair.mu_s = 2 * fraction();
+        c->pair.mu_d = below(2) ? c->pair.mu_s : c->pair.mu_s * fraction();
+        c->pair.e = restitution && below(2) ? fraction() : 0;
+        if (below(4) == 0) {
+            fill(c->target, 3, 2);
+        }
+    }
+}
+
+static void stir(void)
+{
+    for (size_t i = 0; i < scene_body_count; ++i) {
+        fill(scene_bodies[i].velocity, 2, 3);
+        fill(scene_bodies[i].angular_velocity, 3, 2);
+    }
+}
+
+/* A user's factorisation: elimination with row exchanges. */
+static double dense[MOST_UNKNOWNS][MOST_UNKNOWNS];
+static uint32_t dense_rows, dense_pivots[MOST_UNKNOWNS];
+
+static void scatter(uint32_t n, const uint32_t *row_starts, const uint32_t *columns,
+                    const double *values, uint32_t symmetric)
+{
+    for (uint32_t i = 0; i < n; ++i) {
+        memset(dense[i], 0, n * sizeof dense[i][0]);
+    }
+    for (uint32_t i = 0; i < n; ++i) {
+        for (uint32_t k = row_starts[i]; k < row_starts[i + 1]; ++k) {
+            put_u64(columns[k]);
+            put_double(values[k]);
+            dense[i][columns[k]] = values[k];
+            if (symmetric) {
+                dense[columns[k]][i] = values[k];
+            }
+        }
+    }
+}
+
+static tribo_status dense_factor(void *context, uint32_t n, const uint32_t *row_starts,
+                                 const uint32_t *columns, const double *values, uint32_t symmetric)
+{
+    (void)context;
+    if (n > MOST_UNKNOWNS) {
+        return TRIBO_ERROR_MEMORY;
+    }
+    scatter(n, row_starts, columns, values, symmetric);
+    dense_rows = n;
+    for (uint32_t k = 0; k < n; ++k) {
+        uint32_t pivot = k;
+        for (uint32_t i = k + 1; i < n; ++i) {
+            pivot = dense[i][k] * dense[i][k] > dense[pivot][k] * dense[pivot][k] ? i : pivot;
+        }
+        dense_pivots[k] = pivot;
+        for (uint32_t j = 0; j < n; ++j) {
+            const double kept = dense[k][j];
+            dense[k][j] = dense[pivot][j];
+            dense[pivot][j] = kept;
+        }
+        if (dense[k][k] == 0) {
+            return TRIBO_ERROR_CONTACT_MATRIX;
+        }
+        for (uint32_t i = k + 1; i < n; ++i) {
+            const double l = dense[i][k] / dense[k][k];
+            dense[i][k] = l;
+            for (uint32_t j = k + 1; j < n && l != 0; ++j) {
+                dense[i][j] -= l * dense[k][j];
+            }
+        }
+    }
+    return TRIBO_OK;
+}
+
+static tribo_status dense_solve(void *context, double *x)
+{
+    (void)context;
+    for (uint32_t i = 0; i < dense_rows; ++i) {
+        const double kept = x[i];
+        x[i] = x[dense_pivots[i]];
+        x[dense_pivots[i]] = kept;
+    }
+    for (uint32_t i = 0; i < dense_rows; ++i) {
+        for (uint32_t j = 0; j < i; ++j) {
+            x[i] -= dense[i][j] * x[j];
+        }
+    }
+    for (uint32_t i = dense_rows; i-- > 0;) {
+        for (uint32_t j = i + 1; j < dense_rows; ++j) {
+            x[i] -= dense[i][j] * x[j];
+        }
+        x[i] /= dense[i][i];
+    }
+    return TRIBO_OK;
+}
+
+static uint32_t tasks_met;
+
+static void backwards(void *user, void (*task)(void *data, uint32_t i), void *data, uint32_t count)
+{
+    (void)user;
+    tasks_met = count > tasks_met ? count : tasks_met;
+    for (uint32_t i = count; i > 0; --i) {
+        task(data, i - 1);
+    }
+}
+
+/* All but seconds, and bytes: pointers are among them. */
+static void put_system_info(const tribo_system_info *info)
+{
+    put_u64(info->stop);
+    put_u64(info->solver);
+    put_u64(info->components);
+    put_u64(info->sweeps);
+    put_u64(info->steps);
+    put_u64(info->factorizations);
+    put_double(info->eta);
+    put_double(info->eta_rms);
+    put_double(info->signorini);
+    put_double(info->cone);
+    put_double(info->misalignment);
+    put_double(info->invariant);
+    put_double(info->siconos);
+    put_double(info->energy);
+    put_double(info->energy_scale);
+    put_double(info->linear);
+    put_double(info->angular);
+    put_double(info->restitution);
+}
+
+/* Buffers of a solve; the start of a warm one is left from the solve before. */
+static double *workspace;
+static size_t workspace_bytes;
+static double solved_impulses[3 * MOST_CONTACTS], solved_velocities[6 * MOST_BODIES];
+
+static void reserve(size_t bytes)
+{
+    if (bytes > workspace_bytes) {
+        free(workspace);
+        workspace = malloc(bytes);
+        workspace_bytes = bytes;
+        if (!workspace) {
+            fprintf(stderr, "no memory\n");
+            exit(3);
+        }
+    }
+}
+
+static void solve_scene(const tribo_system_options *options)
+{
+    tribo_system_info info;
+    size_t size = 0;
+    memset(&info, 0, sizeof info);
+    info.struct_size = sizeof info;
+    put_status(
+        tribo_system_workspace_size(scene_body_count, scene_count, scene_contacts, options, &size));
+    reserve(size);
+    put_status(tribo_system_solve(scene_body_count, scene_bodies, scene_count, scene_contacts,
+                                  options, workspace, size, solved_impulses, solved_velocities,
+                                  &info));
+    put_doubles(solved_impulses, 3 * scene_count);
+    put_doubles(solved_velocities, 6 * scene_body_count);
+    put_system_info(&info);
+}
+
+/* By every solver, with either way to factor, in one task and in three, and on from there. */
+static void solve_each_way(uint64_t most)
+{
+    const tribo_linear linear = {sizeof linear, 0, NULL, dense_factor, dense_solve};
+    tribo_system_options options;
+    memset(&options, 0, sizeof options);
+    options.struct_size = sizeof options;
+    options.isa = chosen_isa;
+    options.parallel = backwards;
+    for (uint32_t solver = 0; solver < 3; ++solver) {
+        options.solver = solver;
+        options.max_iterations = most;
+        options.tasks = 1;
+        options.warm_start = 0;
+        options.measure = TRIBO_MEASURE_ETA;
+        options.linear = NULL;
+        solve_scene(&options);
+        options.tasks = 3;
+        options.warm_start = 1;
+        options.measure = TRIBO_MEASURE_INVARIANT;
+        options.tolerance = 1e-12;
+        options.dense_limit = 1;
+        options.linear = &linear;
+        solve_scene(&options);
+        options.dense_limit = 0;
+    }
+}
+
+static void run_tower(uint32_t height, int kind)
+{
+    make_tower(height);
+    if (kind > 0) {
+        stir();
+    }
+    if (kind > 1) {
+        season(kind > 2);
+    }
+    solve_each_way(40);
+}
+
+static void run_net(void)
+{
+    const uint64_t before = hash;
+    uint64_t alone;
+    tribo_system_options options;
+    make_net(32);
+    memset(&options, 0, sizeof options);
+    options.struct_size = sizeof options;
+    options.solver = TRIBO_SOLVER_GAUSS_SEIDEL;
+    options.isa = chosen_isa;
+    options.max_iterations = 6;
+    options.parallel = backwards;
+    season(1);
+    options.tasks = 1;
+    solve_scene(&options);
+    alone = hash;
+    hash = before;
+    options.tasks = 3;
+    solve_scene(&options);
+    if (hash != alone || (chosen_isa != TRIBO_ISA_SCALAR && tasks_met != 3)) {
+        fprintf(stderr, "a system is solved otherwise in %u tasks than in one\n", tasks_met);
+        exit(4);
+    }
+}
+
+/* W = A A^T of integers, of what rank it comes; unsymmetric by a little where asked for. */
+static double assembled[9 * MOST_BLOCKS], assembled_q[3 * 64], assembled_mu[2 * 64];
+static uint32_t assembled_starts[65], assembled_columns[MOST_BLOCKS];
+
+static double product_of(double a[][24], uint32_t i, uint32_t j, int rank)
+{
+    double sum = 0;
+    for (int k = 0; k < rank; ++k) {
+        sum += a[i][k] * a[j][k];
+    }
+    return sum;
+}
+
+static void make_rows(uint32_t count, int rank, double a[][24])
+{
+    for (uint32_t i = 0; i < 3 * count; ++i) {
+        for (int k = 0; k < rank; ++k) {
+            a[i][k] = below(4) ? 0 : below(1 << 12) - (1 << 11);
+        }
+        a[i][i % 3] += 1 << 10;
+    }
+}
+
+/* Blocks beyond `reach` of the diagonal are left out of the sparse form. */
+static void make_assembled(uint32_t count, uint32_t reach, int rank, int skew)
+{
+    static double a[3 * 64][24];
+    uint32_t at = 0;
+    make_rows(count, rank, a);
+    for (uint32_t i = 0; i < count; ++i) {
+        assembled_starts[i] = at;
+        for (uint32_t j = 0; j < count; ++j) {
+            if (j > i + reach || i > j + reach) {
+                continue;
+            }
+            for (uint32_t k = 0; k < 9; ++k) {
+                const double entry = product_of(a, 3 * i + k / 3, 3 * j + k % 3, rank);
+                assembled[9 * at + k] = entry * 0x1p-20 + (skew && i != j ? wide(2) * 0x1p-6 : 0);
+            }
+            assembled_columns[at++] = j;
+        }
+        fill(assembled_q + 3 * i, 3, 2);
+        assembled_mu[2 * i] = below(4) ? fraction() : 0;
+        assembled_mu[2 * i + 1] = below(2) ? assembled_mu[2 * i] : assembled_mu[2 * i] / 2;
+    }
+    assembled_starts[count] = at;
+}
+
+static void solve_assembled(uint32_t count, int sparse, const tribo_system_options *options)
+{
+    const uint32_t *starts = sparse ? assembled_starts : NULL;
+    const uint32_t *columns = sparse ? assembled_columns : NULL;
+    tribo_system_info info;
+    size_t size = 0;
+    memset(&info, 0, sizeof info);
+    info.struct_size = sizeof info;
+    put_status(tribo_system_assembled_workspace_size(count, starts, columns, options, &size));
+    reserve(size);
+    put_status(tribo_system_solve_assembled(count, starts, columns, assembled, assembled_q,
+                                            assembled_mu, options, workspace, size, solved_impulses,
+                                            solved_velocities, &info));
+    put_doubles(solved_impulses, 3 * (size_t)count);
+    put_doubles(solved_velocities, 3 * (size_t)count);
+    put_system_info(&info);
+}
+
+static void run_assembled(void)
+{
+    const tribo_linear linear = {sizeof linear, 0, NULL, dense_factor, dense_solve};
+    tribo_system_options options;
+    const uint32_t count = 1 + (uint32_t)below(20);
+    const int dense_form = below(2);
+    const uint32_t reach = dense_form ? count : (uint32_t)below(4);
+    const int rank = 1 + below(24);
+    make_assembled(count, reach, rank, below(2));
+    memset(&options, 0, sizeof options);
+    options.struct_size = sizeof options;
+    options.isa = chosen_isa;
+    options.max_iterations = 40;
+    for (uint32_t solver = 0; solver < 3; ++solver) {
+        options.solver = solver;
+        options.linear = below(2) ? NULL : &linear;
+        options.dense_limit = options.linear ? 1 : 0;
+        options.measure = (uint32_t)below(2);
+        options.warm_start = solver == 2;
+        /* one matrix is read in two ways: row by row, and block by block */
+        solve_assembled(count, !dense_form, &options);
+    }
+}
+
+static void run_system(void)
+{
+    for (int kind = 0; kind < 4; ++kind) {
+        run_tower(5, kind);
+        run_tower(9, kind);
+    }
+    for (int kind = 0; kind < 2; ++kind) {
+        make_wall(4, 5);
+        if (kind) {
+            stir();
+            season(1);
+        }
+        solve_each_way(12);
+    }
+    for (int i = 0; i < 40; ++i) {
+        const int bodies = 1 + below(16);
+        make_heap(bodies, 1 + below(24));
+        season(i % 2);
+        solve_each_way(40);
+        put_status(tribo_system_apply(scene_body_count, scene_bodies, solved_velocities));
+        put_body(&scene_bodies[0]);
+    }
+    run_net();
+    for (int i = 0; i < 50; ++i) {
+        run_assembled();
     }
 }
 
@@ -684,14 +1184,14 @@ static const struct {
     void (*run)(void);
 } rooms[] = {{"base", run_base},         {"math", run_math},       {"body", run_body},
              {"material", run_material}, {"contact", run_contact}, {"audit", run_audit},
-             {"batch", run_batch}};
+             {"batch", run_batch},       {"system", run_system}};
 
 static int choose_isa(const char *wanted)
 {
     const char *name;
     for (uint32_t isa = 0; (name = tribo_isa_name(isa)) != NULL; ++isa) {
         if (strcmp(name, wanted) == 0) {
-            batch_isa = isa;
+            chosen_isa = isa;
             return tribo_isa_available(isa) ? 0 : 77;
         }
     }

@@ -175,8 +175,10 @@ static void judge(const view *c, double stiffness, size_t number, sums *sum, qua
     }
     const quad_real invariant = residual(scaled, c->u, (quad_real)mu, 1);
     const quad_real siconos = residual(c->r, c->u, (quad_real)mu, 1);
-    sum->invariant += invariant * invariant;
-    sum->siconos += siconos * siconos;
+    /* beyond mu_d a contact may not slide */
+    const quad_real slip = mu > c->mu[1] ? length(2, c->u + 1) : 0;
+    sum->invariant += invariant * invariant + slip * slip;
+    sum->siconos += siconos * siconos + slip * slip;
     sum->q += dot(3, c->q, c->q);
     sum->r += dot(3, c->r, c->r);
     sum->u += dot(3, c->u, c->u);

@@ -352,150 +352,211 @@ static void try_edges(const truth_body *a, const truth_body *b, double *width, d
 /* ---- distances of polytopes
  * --------------------------------------------------------------------- */
 
-static void nearer(const double *apart, double *gap, double *normal)
+/* Where cores nearly meet, the difference of two points says little of the direction between them:
+ * all of it is done in long double, and the direction made square to the edges that it belongs to. */
+typedef long double real;
+
+static real real_dot(const real *a, const real *b)
 {
-    double n[3] = {apart[0], apart[1], apart[2]};
-    const double size = sqrt(dot(n, n));
-    if (size < *gap) {
-        *gap = size;
-        normalize(n);
-        memcpy(normal, n, sizeof n); /* no direction if they meet */
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void real_cross(const real *a, const real *b, real *c)
+{
+    c[0] = a[1] * b[2] - a[2] * b[1];
+    c[1] = a[2] * b[0] - a[0] * b[2];
+    c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+static void real_minus(const real *a, const real *b, real *c)
+{
+    for (int i = 0; i < 3; i++) {
+        c[i] = a[i] - b[i];
+    }
+}
+
+/* c = a x b of vectors that may be nearly parallel: what is left of it is square to a. */
+static void real_square(const real *a, const real *b, real *c)
+{
+    real_cross(a, b, c);
+    const real left = real_dot(a, c) / real_dot(a, a);
+    for (int i = 0; i < 3; i++) {
+        c[i] -= left * a[i];
+    }
+}
+
+static void real_world(const truth_body *body, const double *v, real *out)
+{
+    for (int i = 0; i < 3; i++) {
+        out[i] = 0.0L;
+        for (int k = 0; k < 3; k++) {
+            out[i] += (real)body->rotation[3 * i + k] * (real)v[k];
+        }
+    }
+}
+
+/* What was seen of two cores. */
+typedef struct distances {
+    real gap; /* least, and its direction */
+    double normal[3];
+    const truth_body *a; /* not null: every direction is tried, the least width kept */
+    const truth_body *b;
+    double width;
+    double best[3];
+} distances;
+
+static void nearer(real size, const real *along, distances *d)
+{
+    const real norm = sqrtl(real_dot(along, along));
+    double n[3];
+    if (!(norm > 0.0L)) {
+        d->gap = 0.0L; /* they meet: no direction */
+        return;
+    }
+    for (int i = 0; i < 3; i++) {
+        n[i] = (double)(along[i] / norm);
+    }
+    if (size < d->gap) {
+        d->gap = size;
+        memcpy(d->normal, n, sizeof n);
+    }
+    if (d->a != NULL) {
+        least(d->a, d->b, n, &d->width, d->best);
     }
 }
 
 /* From the point on the segment q + t f nearest to p, to p; `sign` -1 turns it round. */
-static void point_segment(const double *p, const double *q, const double *f, double sign,
-                          double *gap, double *normal)
+static void point_segment(const real *p, const real *q, const real *f, real sign, distances *d)
 {
-    double r[3];
-    double apart[3];
-    minus(p, q, r);
-    const double ff = dot(f, f);
-    const double t = ff > 0.0 ? fmin(fmax(dot(f, r) / ff, 0.0), 1.0) : 0.0;
+    real r[3];
+    real apart[3];
+    real_minus(p, q, r);
+    const real ff = real_dot(f, f);
+    const real share = ff > 0.0L ? real_dot(f, r) / ff : 0.0L;
+    const real t = share < 0.0L ? 0.0L : share > 1.0L ? 1.0L : share;
     for (int i = 0; i < 3; i++) {
         apart[i] = sign * (r[i] - t * f[i]);
     }
-    nearer(apart, gap, normal);
+    const real size = sqrtl(real_dot(apart, apart));
+    if (share == t && ff > 0.0L) {
+        const real left = real_dot(f, apart) / ff;
+        for (int i = 0; i < 3; i++) {
+            apart[i] -= left * f[i];
+        }
+    }
+    nearer(size, apart, d);
 }
 
 /* From the segment q + t f to the segment p + s e: all ends against the other segment, and where
  * both are crossed inside by the line square to both. */
-static void segments(const double *p, const double *e, const double *q, const double *f,
-                     double *gap, double *normal)
+static void segments(const real *p, const real *e, const real *q, const real *f, distances *d)
 {
-    double r[3];
-    double ends[2][3];
+    real r[3];
+    real ends[2][3];
+    real c[3];
+    real rf[3];
+    real re[3];
     for (int i = 0; i < 3; i++) {
         r[i] = p[i] - q[i];
         ends[0][i] = p[i] + e[i];
         ends[1][i] = q[i] + f[i];
     }
-    point_segment(p, q, f, 1.0, gap, normal);
-    point_segment(ends[0], q, f, 1.0, gap, normal);
-    point_segment(q, p, e, -1.0, gap, normal);
-    point_segment(ends[1], p, e, -1.0, gap, normal);
-    const double ee = dot(e, e);
-    const double ff = dot(f, f);
-    const double ef = dot(e, f);
-    const double er = dot(e, r);
-    const double fr = dot(f, r);
-    const double det = ee * ff - ef * ef;
-    const double s = (ef * fr - er * ff) / det;
-    const double t = (ee * fr - er * ef) / det;
-    if (det > 1e-14 * ee * ff && s >= 0.0 && s <= 1.0 && t >= 0.0 && t <= 1.0) {
-        double apart[3];
-        for (int i = 0; i < 3; i++) {
-            apart[i] = r[i] + s * e[i] - t * f[i];
-        }
-        nearer(apart, gap, normal);
+    point_segment(p, q, f, 1.0L, d);
+    point_segment(ends[0], q, f, 1.0L, d);
+    point_segment(q, p, e, -1.0L, d);
+    point_segment(ends[1], p, e, -1.0L, d);
+    real_square(e, f, c);
+    real_cross(r, f, rf);
+    real_cross(r, e, re);
+    const real square = real_dot(c, c);
+    if (!(square > 1e-26L * real_dot(e, e) * real_dot(f, f))) {
+        return;
+    }
+    const real s = 0.0L - real_dot(rf, c) / square;
+    const real t = 0.0L - real_dot(re, c) / square;
+    if (s >= 0.0L && s <= 1.0L && t >= 0.0L && t <= 1.0L) {
+        const real apart = real_dot(r, c) / sqrtl(square);
+        const real sign = apart < 0.0L ? -1.0L : 1.0L;
+        const real along[3] = {sign * c[0], sign * c[1], sign * c[2]};
+        nearer(sign * apart, along, d);
     }
 }
 
 /* A point against the inside of all faces of the other body; `sign` 1 if the point is of A. */
-static void point_faces(const double *point, const truth_body *body, double sign, double *gap,
-                        double *normal)
+static void point_faces(const real *point, const truth_body *body, real sign, distances *out)
 {
     const truth_polytope *core = body->core;
-    double x[3];
-    to_local(body, point, x);
+    real x[3];
+    for (int i = 0; i < 3; i++) {
+        x[i] = 0.0L;
+        for (int k = 0; k < 3; k++) {
+            x[i] += (real)body->rotation[3 * k + i] * point[k];
+        }
+    }
     for (int f = 0; f < core->faces; f++) {
         const int sides = core->corner[f][3] < 0 ? 3 : 4;
-        const double *n = core->normal[f];
-        double d[3];
-        minus(x, core->vertex[core->corner[f][0]], d);
-        const double height = dot(n, d);
-        int inside = height > 0.0;
+        const real n[3] = {(real)core->normal[f][0], (real)core->normal[f][1],
+                           (real)core->normal[f][2]};
+        const double *first = core->vertex[core->corner[f][0]];
+        real d[3] = {x[0] - (real)first[0], x[1] - (real)first[1], x[2] - (real)first[2]};
+        const real height = real_dot(n, d);
+        int inside = height > 0.0L;
         for (int i = 0; i < sides && inside; i++) {
             const double *from = core->vertex[core->corner[f][i]];
-            double e[3];
-            double across[3];
-            minus(core->vertex[core->corner[f][(i + 1) % sides]], from, e);
-            minus(x, from, d);
-            cross(n, e, across);
-            inside = dot(across, d) >= 0.0;
+            const double *to = core->vertex[core->corner[f][(i + 1) % sides]];
+            real e[3];
+            real across[3];
+            for (int c = 0; c < 3; c++) {
+                e[c] = (real)to[c] - (real)from[c];
+                d[c] = x[c] - (real)from[c];
+            }
+            real_cross(n, e, across);
+            inside = real_dot(across, d) >= 0.0L;
         }
         if (inside) {
-            double world[3];
-            to_world(body, n, world);
-            const double apart[3] = {sign * height * world[0], sign * height * world[1],
-                                     sign * height * world[2]};
-            nearer(apart, gap, normal);
+            real along[3];
+            real_world(body, core->normal[f], along);
+            for (int i = 0; i < 3; i++) {
+                along[i] *= sign;
+            }
+            nearer(height, along, out);
         }
     }
 }
 
 /* Edges as point and direction; a lone point is an edge of no length. */
-static int feature_edges(const truth_body *body, double from[][3], double along[][3])
+static int feature_edges(const truth_body *body, real from[][3], real along[][3])
 {
     const truth_polytope *core = body->core;
     for (int k = 0; k < core->edges; k++) {
-        double e[3];
-        minus(core->vertex[core->edge[k][1]], core->vertex[core->edge[k][0]], e);
-        to_world(body, core->vertex[core->edge[k][0]], from[k]);
-        to_world(body, e, along[k]);
+        real to[3];
+        real_world(body, core->vertex[core->edge[k][0]], from[k]);
+        real_world(body, core->vertex[core->edge[k][1]], to);
+        real_minus(to, from[k], along[k]);
         for (int i = 0; i < 3; i++) {
-            from[k][i] += body->position[i];
+            from[k][i] += (real)body->position[i];
         }
     }
     if (core->edges == 0) {
-        memcpy(from[0], body->position, sizeof from[0]);
-        memset(along[0], 0, sizeof along[0]);
+        for (int i = 0; i < 3; i++) {
+            from[0][i] = (real)body->position[i];
+            along[0][i] = 0.0L;
+        }
         return 1;
     }
     return core->edges;
 }
 
-static void vertices_faces(const truth_body *a, const truth_body *b, double sign, double *gap,
-                           double *normal)
+static void vertices_faces(const truth_body *a, const truth_body *b, real sign, distances *d)
 {
     for (int i = 0; i < a->core->vertices; i++) {
-        double point[3];
-        to_world(a, a->core->vertex[i], point);
+        real point[3];
+        real_world(a, a->core->vertex[i], point);
         for (int c = 0; c < 3; c++) {
-            point[c] += a->position[c] - b->position[c];
+            point[c] += (real)a->position[c] - (real)b->position[c];
         }
-        point_faces(point, b, sign, gap, normal);
+        point_faces(point, b, sign, d);
     }
-}
-
-/* Least distance of two cores that are apart. */
-static double core_gap(const truth_body *a, const truth_body *b, double *normal)
-{
-    double from_a[TRUTH_EDGES][3];
-    double along_a[TRUTH_EDGES][3];
-    double from_b[TRUTH_EDGES][3];
-    double along_b[TRUTH_EDGES][3];
-    double gap = HUGE_VAL;
-    const int na = feature_edges(a, from_a, along_a);
-    const int nb = feature_edges(b, from_b, along_b);
-    for (int i = 0; i < na; i++) {
-        for (int j = 0; j < nb; j++) {
-            segments(from_a[i], along_a[i], from_b[j], along_b[j], &gap, normal);
-        }
-    }
-    vertices_faces(a, b, 1.0, &gap, normal);
-    vertices_faces(b, a, -1.0, &gap, normal);
-    return gap;
 }
 
 static int full(const truth_body *body)
@@ -503,13 +564,38 @@ static int full(const truth_body *body)
     return body->core->faces > 0;
 }
 
-static void both_ways(const truth_body *a, const truth_body *b, double *n, double *width,
+/* Least distance of two cores that are apart. */
+static void core_gap(const truth_body *a, const truth_body *b, distances *d)
+{
+    real from_a[TRUTH_EDGES][3];
+    real along_a[TRUTH_EDGES][3];
+    real from_b[TRUTH_EDGES][3];
+    real along_b[TRUTH_EDGES][3];
+    memset(d, 0, sizeof *d);
+    d->gap = (real)HUGE_VAL;
+    d->width = HUGE_VAL;
+    d->a = full(a) || full(b) ? NULL : a;
+    d->b = b;
+    const int na = feature_edges(a, from_a, along_a);
+    const int nb = feature_edges(b, from_b, along_b);
+    for (int i = 0; i < na; i++) {
+        for (int j = 0; j < nb; j++) {
+            segments(from_a[i], along_a[i], from_b[j], along_b[j], d);
+        }
+    }
+    vertices_faces(a, b, 1.0L, d);
+    vertices_faces(b, a, -1.0L, d);
+}
+
+static void both_ways(const truth_body *a, const truth_body *b, const real *v, double *width,
                       double *normal)
 {
-    if (normalize(n) > 1e-300) {
-        const double back[3] = {-n[0], -n[1], -n[2]};
+    const real norm = sqrtl(real_dot(v, v));
+    for (int side = 0; side < 2 && norm > 1e-300L; side++) {
+        const real scale = (side == 0 ? 1.0L : -1.0L) / norm;
+        const double n[3] = {(double)(scale * v[0]), (double)(scale * v[1]),
+                             (double)(scale * v[2])};
         least(a, b, n, width, normal);
-        least(a, b, back, width, normal);
     }
 }
 
@@ -517,22 +603,24 @@ static void both_ways(const truth_body *a, const truth_body *b, double *n, doubl
  * points has no direction to speak of. */
 static void try_squares(const truth_body *a, const truth_body *b, double *width, double *normal)
 {
-    double between[3];
-    double n[3];
-    const double axis[4][3] = {{a->rotation[2], a->rotation[5], a->rotation[8]},
-                               {b->rotation[2], b->rotation[5], b->rotation[8]},
-                               {a->rotation[0], a->rotation[3], a->rotation[6]},
-                               {b->rotation[0], b->rotation[3], b->rotation[6]}};
-    minus(b->position, a->position, between);
+    real between[3];
+    real n[3];
+    real axis[4][3];
+    for (int i = 0; i < 3; i++) {
+        between[i] = (real)b->position[i] - (real)a->position[i];
+        for (int k = 0; k < 4; k++) {
+            axis[k][i] = (real)(k % 2 == 0 ? a : b)->rotation[3 * i + (k < 2 ? 2 : 0)];
+        }
+    }
     for (int i = 0; i < 4; i++) {
-        memcpy(n, axis[i], sizeof n);
-        both_ways(a, b, n, width, normal);
+        both_ways(a, b, axis[i], width, normal);
         for (int j = 0; j < i; j++) {
-            cross(axis[i], axis[j], n);
+            real_square(axis[i], axis[j], n);
             both_ways(a, b, n, width, normal);
         }
-        cross(between, axis[i], n);
-        cross(n, axis[i], n);
+        real side[3];
+        real_cross(between, axis[i], side);
+        real_cross(side, axis[i], n);
         both_ways(a, b, n, width, normal);
     }
 }
@@ -540,7 +628,7 @@ static void try_squares(const truth_body *a, const truth_body *b, double *width,
 static double rounded_polytopes(const truth_body *a, const truth_body *b, double *normal)
 {
     double width = HUGE_VAL;
-    double n[3];
+    distances d;
     if (full(a) || full(b)) {
         try_faces(a, b, a, -1.0, &width, normal);
         try_faces(a, b, b, 1.0, &width, normal);
@@ -549,11 +637,17 @@ static double rounded_polytopes(const truth_body *a, const truth_body *b, double
     if (width >= a->radius + b->radius && width < HUGE_VAL) {
         return width; /* the cores overlap */
     }
-    const double gap = core_gap(a, b, n);
-    if (gap > 0.0) {
-        least(a, b, n, &width, normal);
+    core_gap(a, b, &d);
+    if (d.gap > 0.0L && d.gap < (real)HUGE_VAL) {
+        least(a, b, d.normal, &width, normal);
     }
-    if (gap < 1e-6 * (a->radius + b->radius)) {
+    if (d.a != NULL) {
+        if (d.width < width) {
+            width = d.width;
+            memcpy(normal, d.best, sizeof d.best);
+        }
+        try_squares(a, b, &width, normal);
+    } else if (d.gap < 1e-6L * (real)(a->radius + b->radius)) {
         try_squares(a, b, &width, normal);
     }
     return width;
