@@ -430,6 +430,30 @@ static void test_tripod_couples_slide_and_spin(void **state)
     assert_true(fabs(log10(errors[0] / errors[1]) - 1.0) <= 0.05);
 }
 
+/* Balls that touch share an impact: Newton's law for all contacts at once. Balls with gaps pass it
+ * on. */
+static void test_cradles(void **state)
+{
+    static const double shared[5] = {-0.6, 0.4, 0.4, 0.4, 0.4};
+    static const double passed[5] = {0.0, 0.0, 0.0, 0.0, 1.0};
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        tribo_scene *scene = make_scene(0.0, 0.0, 0);
+        tribo_scene_body ball = sphere_of(1.0, 0.5, 0.0, 1.0);
+        for (int i = 0; i < 5; i++) {
+            ball.state.velocity[0] = i == 0 ? 1.0 : 0.0;
+            add_at(scene, &ball, i == 0 ? -0.005 : i * (k == 0 ? 1.0 : 1.001), 0.0, 0.0);
+        }
+        run(scene, 0.01, 100, NULL);
+        for (uint32_t i = 0; i < 5; i++) {
+            const double v = state_of(scene, i).velocity[0];
+            within(fabs(v - (k == 0 ? shared[i] : passed[i])), 1e-12);
+        }
+        tribo_scene_destroy(scene);
+    }
+    settle("five balls in a row");
+}
+
 /* ---- units ----------------------------------------------------------------------------------- */
 
 enum { MIXED = 10 };
@@ -1103,6 +1127,7 @@ int main(void)
         TEST(test_conveyor),
         TEST(test_box_on_a_slope),
         TEST(test_tripod_couples_slide_and_spin),
+        TEST(test_cradles),
         TEST(test_units_do_not_matter),
         TEST(test_stacks_rest),
         TEST(test_encounters_conserve),
