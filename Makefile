@@ -89,7 +89,8 @@ endif
 
 HEADERS := $(wildcard include/tribo/*.h)
 # What libtribo adds to libtribo_core: shapes and their contacts, sparse factorisations.
-FULL := broad clip closed collide convex hull mesh shape sparse
+FULL := broad clip closed collide convex hull mesh scene scene_contact scene_event scene_rest scene_save \
+        scene_solve scene_step shape sparse
 FULL_SOURCES := $(FULL:%=src/%.c)
 FULL_LIBS := -lccd -lqhull_r -lcholmod -lklu -lumfpack -lsuitesparseconfig
 # Compiled once per instruction set.
@@ -189,7 +190,7 @@ $(BUILD)/flags: FORCE
 CLI_OBJECTS := $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard src/cli/*.c))
 SUPPORT_OBJECTS := $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard tests/support/*.c))
 # Rooms of libtribo and of the program; the targets of all others link libtribo_core alone.
-FULL_ROOMS := broad collide shape sparse table
+FULL_ROOMS := broad collide scene shape sparse table
 FULL_SUPPORT := $(BUILD)/obj/fuzz/support/shapes.o $(BUILD)/obj/tests/support/pairs.o
 FUZZ_OBJECTS := $(filter-out $(FULL_SUPPORT),$(SUPPORT_OBJECTS) \
     $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard fuzz/support/*.c)))

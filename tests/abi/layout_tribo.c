@@ -4,6 +4,7 @@
  */
 #include <tribo/broad.h>
 #include <tribo/collide.h>
+#include <tribo/scene.h>
 #include <tribo/shape.h>
 #include <tribo/sparse.h>
 
@@ -103,6 +104,90 @@ static void print_sparse(void)
     FIELD(tribo_sparse_info, fill);
 }
 
+static void print_scene(void)
+{
+    CONSTANT(TRIBO_BODY_DYNAMIC);
+    CONSTANT(TRIBO_BODY_KINEMATIC);
+    CONSTANT(TRIBO_BODY_STATIC);
+    CONSTANT(TRIBO_SKIP_WARM_START);
+    CONSTANT(TRIBO_SKIP_CORRECTION);
+    CONSTANT(TRIBO_SKIP_RESTITUTION);
+    CONSTANT(TRIBO_SKIP_SPECULATION);
+    CONSTANT(TRIBO_EVENT_BEGIN);
+    CONSTANT(TRIBO_EVENT_PERSIST);
+    CONSTANT(TRIBO_EVENT_END);
+    TYPE(tribo_scene_settings);
+    FIELD(tribo_scene_settings, struct_size);
+    FIELD(tribo_scene_settings, friction_rule);
+    FIELD(tribo_scene_settings, restitution_rule);
+    FIELD(tribo_scene_settings, reserved);
+    FIELD(tribo_scene_settings, gravity);
+    TYPE(tribo_scene_body);
+    FIELD(tribo_scene_body, struct_size);
+    FIELD(tribo_scene_body, kind);
+    FIELD(tribo_scene_body, state);
+    FIELD(tribo_scene_body, shape);
+    FIELD(tribo_scene_body, offset);
+    FIELD(tribo_scene_body, material);
+    FIELD(tribo_scene_body, belt);
+    TYPE(tribo_step_options);
+    FIELD(tribo_step_options, struct_size);
+    FIELD(tribo_step_options, substeps);
+    FIELD(tribo_step_options, solver);
+    FIELD(tribo_step_options, skip);
+    FIELD(tribo_step_options, max_iterations);
+    FIELD(tribo_step_options, tolerance);
+    FIELD(tribo_step_options, margin);
+    FIELD(tribo_step_options, threshold);
+    FIELD(tribo_step_options, correction);
+    FIELD(tribo_step_options, sleep_time);
+    FIELD(tribo_step_options, sleep_speed);
+    FIELD(tribo_step_options, tasks);
+    FIELD(tribo_step_options, reserved);
+    FIELD(tribo_step_options, parallel);
+    FIELD(tribo_step_options, user);
+    TYPE(tribo_step_info);
+    FIELD(tribo_step_info, struct_size);
+    FIELD(tribo_step_info, substeps);
+    FIELD(tribo_step_info, stop);
+    FIELD(tribo_step_info, asleep);
+    FIELD(tribo_step_info, flights);
+    FIELD(tribo_step_info, turns);
+    FIELD(tribo_step_info, broad);
+    FIELD(tribo_step_info, pairs);
+    FIELD(tribo_step_info, contacts);
+    FIELD(tribo_step_info, frictionless);
+    FIELD(tribo_step_info, matched);
+    FIELD(tribo_step_info, contact_solves);
+    FIELD(tribo_step_info, impact_solves);
+    FIELD(tribo_step_info, impacts);
+    FIELD(tribo_step_info, correction_solves);
+    FIELD(tribo_step_info, sweeps);
+    FIELD(tribo_step_info, newton_steps);
+    FIELD(tribo_step_info, factorizations);
+    FIELD(tribo_step_info, eta);
+    FIELD(tribo_step_info, restitution);
+    FIELD(tribo_step_info, penetration);
+    TYPE(tribo_scene_contact);
+    FIELD(tribo_scene_contact, a);
+    FIELD(tribo_scene_contact, b);
+    FIELD(tribo_scene_contact, child_a);
+    FIELD(tribo_scene_contact, child_b);
+    FIELD(tribo_scene_contact, id);
+    FIELD(tribo_scene_contact, normal);
+    FIELD(tribo_scene_contact, arm_a);
+    FIELD(tribo_scene_contact, arm_b);
+    FIELD(tribo_scene_contact, distance);
+    FIELD(tribo_scene_contact, impulse);
+    TYPE(tribo_scene_event);
+    FIELD(tribo_scene_event, kind);
+    FIELD(tribo_scene_event, a);
+    FIELD(tribo_scene_event, b);
+    FIELD(tribo_scene_event, impacts);
+    FIELD(tribo_scene_event, impulse);
+    FIELD(tribo_scene_event, normal);
+}
+
 static void print_system(void)
 {
     TYPE(tribo_linear);
@@ -136,5 +221,6 @@ int main(void)
     print_collide();
     print_sparse();
     print_system();
+    print_scene();
     return 0;
 }

@@ -1,0 +1,1150 @@
+/* Scenes in time against exact answers, conservation, saved states to the bit, events, sleep, which
+ * stages run, bad input. */
+#include <tribo/scene.h>
+
+#include "check.h"
+
+#include <stdlib.h>
+
+#define PI 3.14159265358979323846
+#define G 9.81
+
+/* ---- making scenes --------------------------------------------------------------------------- */
+
+static tribo_scene *make_scene(double gx, double gz, uint32_t friction_rule)
+{
+    tribo_scene_settings settings = {.struct_size = sizeof settings};
+    tribo_scene *scene = NULL;
+    settings.friction_rule = friction_rule;
+    settings.restitution_rule = TRIBO_MIX_MAXIMUM;
+    settings.gravity[0] = gx;
+    settings.gravity[2] = gz;
+    assert_int_equal(tribo_scene_create(&settings, NULL, &scene), TRIBO_OK);
+    return scene;
+}
+
+static uint32_t add(tribo_scene *scene, const tribo_scene_body *body)
+{
+    uint32_t id = UINT32_MAX;
+    assert_int_equal(tribo_scene_add(scene, body, &id), TRIBO_OK);
+    return id;
+}
+
+static tribo_scene_body floor_of(double mu, double e)
+{
+    tribo_scene_body body;
+    tribo_scene_body_init(&body);
+    body.kind = TRIBO_BODY_STATIC;
+    body.shape.type = TRIBO_SHAPE_HALFSPACE;
+    body.shape.size[2] = 1.0;
+    body.material = (tribo_material){mu, mu, e};
+    return body;
+}
+
+static void add_floor(tribo_scene *scene, double mu, double e)
+{
+    const tribo_scene_body body = floor_of(mu, e);
+    add(scene, &body);
+}
+
+static tribo_scene_body sphere_of(double mass, double radius, double mu, double e)
+{
+    const double i = 0.4 * mass * radius * radius;
+    tribo_scene_body body;
+    tribo_scene_body_init(&body);
+    body.state = body_of(mass, i, i, i);
+    body.shape.type = TRIBO_SHAPE_SPHERE;
+    body.shape.size[0] = radius;
+    body.material = (tribo_material){mu, mu, e};
+    return body;
+}
+
+static tribo_scene_body box_of(double mass, double hx, double hy, double hz, double mu, double e)
+{
+    const double third = mass / 3.0;
+    tribo_scene_body body;
+    tribo_scene_body_init(&body);
+    body.state = body_of(mass, third * (hy * hy + hz * hz), third * (hx * hx + hz * hz),
+                         third * (hx * hx + hy * hy));
+    body.shape.type = TRIBO_SHAPE_BOX;
+    body.shape.size[0] = hx;
+    body.shape.size[1] = hy;
+    body.shape.size[2] = hz;
+    body.material = (tribo_material){mu, mu, e};
+    return body;
+}
+
+static uint32_t add_at(tribo_scene *scene, tribo_scene_body *body, double x, double y, double z)
+{
+    body->state.position[0] = x;
+    body->state.position[1] = y;
+    body->state.position[2] = z;
+    return add(scene, body);
+}
+
+static tribo_body state_of(const tribo_scene *scene, uint32_t id)
+{
+    tribo_body state;
+    assert_int_equal(tribo_scene_get_body(scene, id, &state, NULL), TRIBO_OK);
+    return state;
+}
+
+static void sum_info(const tribo_step_info *more, tribo_step_info *sum)
+{
+    sum->substeps += more->substeps;
+    sum->stop = more->stop > sum->stop ? more->stop : sum->stop;
+    sum->asleep = more->asleep;
+    sum->flights += more->flights;
+    sum->turns += more->turns;
+    sum->broad += more->broad;
+    sum->pairs += more->pairs;
+    sum->contacts += more->contacts;
+    sum->frictionless += more->frictionless;
+    sum->matched += more->matched;
+    sum->contact_solves += more->contact_solves;
+    sum->impact_solves += more->impact_solves;
+    sum->impacts += more->impacts;
+    sum->correction_solves += more->correction_solves;
+    sum->sweeps += more->sweeps;
+    sum->newton_steps += more->newton_steps;
+    sum->penetration = fmax(sum->penetration, more->penetration);
+}
+
+/* `count` steps; returns the sum of what they tell. */
+static tribo_step_info run(tribo_scene *scene, double dt, int count,
+                           const tribo_step_options *options)
+{
+    tribo_step_info sum = {0};
+    for (int k = 0; k < count; k++) {
+        tribo_step_info info = {.struct_size = sizeof info};
+        assert_int_equal(tribo_scene_step(scene, dt, options, &info), TRIBO_OK);
+        sum_info(&info, &sum);
+    }
+    return sum;
+}
+
+static double energy_of(const tribo_scene *scene)
+{
+    static const double origin[3] = {0.0, 0.0, 0.0};
+    tribo_totals totals;
+    double potential = 0.0;
+    assert_int_equal(tribo_scene_totals(scene, origin, &totals, &potential), TRIBO_OK);
+    return totals.energy + potential;
+}
+
+/* ---- exact answers --------------------------------------------------------------------------- */
+
+/* A point mass launched over an incline at `azimuth` of the world's axes, for one second. */
+static tribo_body launch(double dt, double azimuth)
+{
+    const double angle = PI / 6.0;
+    const double phi = 2.0 * PI / 3.0;
+    const double down[2] = {cos(azimuth), sin(azimuth)};
+    const double gravity[3] = {G * sin(angle) * down[0], G * sin(angle) * down[1], -G * cos(angle)};
+    tribo_scene *scene = make_scene(0.0, 0.0, TRIBO_MIX_MAXIMUM);
+    tribo_scene_body body = sphere_of(1.0, 0.5, 0.4, 0.0);
+    assert_int_equal(tribo_scene_set_gravity(scene, gravity), TRIBO_OK);
+    add_floor(scene, 0.4, 0.0);
+    memset(body.state.inverse_inertia, 0, sizeof body.state.inverse_inertia);
+    body.state.velocity[0] = 3.0 * (cos(phi) * down[0] - sin(phi) * down[1]);
+    body.state.velocity[1] = 3.0 * (cos(phi) * down[1] + sin(phi) * down[0]);
+    const uint32_t id = add_at(scene, &body, 0.0, 0.0, 0.5);
+    run(scene, dt, (int)(1.0 / dt + 0.5), NULL);
+    const tribo_body end = state_of(scene, id);
+    tribo_scene_destroy(scene);
+    return end;
+}
+
+/* v(phi) = v0 (tan(phi/2) / tan(phi0/2))^k sin(phi0) / sin(phi), k = mu / tan(theta). */
+static void test_incline_turns_the_path(void **state)
+{
+    static const double v[2] = {1.835761175746, 0.338548341409};
+    static const double x[2] = {0.6457711101, 1.1979131281};
+    double errors[2];
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        const double dt = k == 0 ? 1e-2 : 1e-3;
+        const tribo_body end = launch(dt, 0.0);
+        errors[k] = distance(end.velocity, v, 2);
+        within(errors[k], 1.6 * dt);
+        within(distance(end.position, x, 2), 1.24 * dt);
+        within(fabs(end.position[2] - 0.5), 1e-12);
+    }
+    settle("launched over an incline");
+    const double order = log10(errors[0] / errors[1]);
+    print_message("# order of the velocity: %.3f\n", order);
+    assert_true(fabs(order - 1.0) <= 0.05);
+}
+
+static void test_incline_is_isotropic(void **state)
+{
+    const tribo_body straight = launch(1e-2, 0.0);
+    (void)state;
+    for (int degrees = 1; degrees <= 90; degrees++) {
+        const double a = degrees * PI / 180.0;
+        const tribo_body end = launch(1e-2, a);
+        const double v[2] = {cos(a) * straight.velocity[0] - sin(a) * straight.velocity[1],
+                             cos(a) * straight.velocity[1] + sin(a) * straight.velocity[0]};
+        within(distance(end.velocity, v, 2), 1e3 * EPS);
+    }
+    settle("91 azimuths");
+}
+
+static void test_sliding_sphere_rolls(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 3; k++) {
+        const double dt = k == 0 ? 1e-2 : k == 1 ? 1e-3 : 1.0 / 60.0;
+        const int steps = (int)(2.0 / dt + 0.5);
+        tribo_scene *scene = make_scene(0.0, -G, TRIBO_MIX_MAXIMUM);
+        tribo_scene_body ball = sphere_of(1.0, 0.5, 0.2, 0.0);
+        ball.state.velocity[0] = 7.0;
+        add_floor(scene, 0.2, 0.0);
+        const uint32_t id = add_at(scene, &ball, 0.0, 0.0, 0.5);
+        run(scene, dt, steps, NULL);
+        const tribo_body end = state_of(scene, id);
+        const double x = 6.116207951070 + 5.0 * (steps * dt - 1.019367991845);
+        within(fabs(end.velocity[0] - 5.0), 32.0 * EPS * steps * 5.0);
+        within(fabs(end.angular_velocity[1] - 10.0), 32.0 * EPS * steps * 10.0);
+        within(fabs(end.position[0] - x), 1.1 * dt);
+        within(fabs(end.position[2] - 0.5), EPS);
+        tribo_scene_destroy(scene);
+    }
+    settle("5/7 of the speed");
+}
+
+static void test_free_rotation(void **state)
+{
+    static const double exact[3] = {0.280861940815, -2.432266939713, 2.750101480034};
+    (void)state;
+    for (int k = 0; k < 3; k++) {
+        const double dt = k == 0 ? 0.5 : k == 1 ? 0.1 : 0.01;
+        double omega[3];
+        tribo_scene *scene = make_scene(0.0, 0.0, 0);
+        tribo_scene_body body = box_of(1.0, 0.1, 0.2, 0.3, 0.0, 0.0);
+        for (int i = 0; i < 3; i++) {
+            body.state.angular_velocity[i] = i + 1.0;
+        }
+        const uint32_t id = add(scene, &body);
+        const double before = energy_of(scene);
+        run(scene, dt, (int)(5.0 / dt + 0.5), NULL);
+        const tribo_body end = state_of(scene, id);
+        tribo_quat_rotate_inverse(end.orientation, end.angular_velocity, omega);
+        within(distance(omega, exact, 3), 1e-11);
+        within(fabs(energy_of(scene) - before), 1e-13 * before);
+        tribo_scene_destroy(scene);
+    }
+    settle("body that flips");
+}
+
+/* SimBenchmark's bouncing spheres: the energy is kept at any step. */
+static void test_bouncing_keeps_energy(void **state)
+{
+    static const double steps[3] = {1e-3, 1e-2, 0.1};
+    (void)state;
+    for (int k = 0; k < 3; k++) {
+        tribo_scene *scene = make_scene(0.0, -G, 0);
+        const int count = (int)(20.0 / steps[k] + 0.5);
+        double sum = 0.0;
+        add_floor(scene, 0.0, 1.0);
+        for (int i = 0; i < 49; i++) {
+            tribo_scene_body ball = sphere_of(10.0, 0.1, 0.0, 1.0);
+            add_at(scene, &ball, i % 7, i / 7, 5.0);
+        }
+        const double before = energy_of(scene);
+        within(fabs(before - 24034.5), 1e-8);
+        for (int i = 0; i < count; i++) {
+            const double error = energy_of(scene) - before;
+            sum += error * error;
+            const tribo_step_info info = run(scene, steps[k], 1, NULL);
+            within(info.penetration, 1e-300);
+        }
+        print_message("# step %g s: mean squared error of energy %.3g J^2\n", steps[k],
+                      sum / count);
+        within(sum / count, 1e-16);
+        tribo_scene_destroy(scene);
+    }
+    settle("energy of 49 spheres over 20 s");
+}
+
+/* Apexes e^2n h; t = sqrt(2h/g) (1+e)/(1-e). Impacts are early by up to a step each. */
+static void test_bouncing_ball_comes_to_rest(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        const double dt = k == 0 ? 1e-2 : 1e-3;
+        tribo_scene *scene = make_scene(0.0, -G, 0);
+        tribo_scene_body ball = sphere_of(1.0, 0.1, 0.0, 0.5);
+        double last = 0.0;
+        uint64_t impacts = 0;
+        add_floor(scene, 0.0, 0.5);
+        const uint32_t id = add_at(scene, &ball, 0.0, 0.0, 1.1);
+        for (int i = 0; i < (int)(3.0 / dt); i++) {
+            const uint64_t more = run(scene, dt, 1, NULL).impacts;
+            impacts += more;
+            last = more > 0 ? (i + 0.5) * dt : last;
+        }
+        print_message("# step %g s: %d impacts, the last at %.4f s\n", dt, (int)impacts, last);
+        within(fabs(last - sqrt(2.0 / G) * 3.0), 16.0 * dt);
+        within(fabs(state_of(scene, id).position[2] - 0.1), 1e-12);
+        within(fabs(state_of(scene, id).velocity[2]), 1e-12);
+        assert_in_range(impacts, 4, 20);
+        tribo_scene_destroy(scene);
+    }
+    settle("bouncing ball");
+}
+
+/* SimBenchmark's rolling platform: a = 0.7385 m/s^2 and 2/7 of it. */
+static void test_rolling_platform(void **state)
+{
+    static const double directions[2][2] = {{0.0, 1.0}, {0.5, 0.8660254037844386}};
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        const double *d = directions[k];
+        const double force[3] = {150.0 * d[0], 150.0 * d[1], 0.0};
+        const double dt = 1e-2;
+        tribo_scene *scene = make_scene(0.0, -G, TRIBO_MIX_MINIMUM);
+        tribo_scene_body box = box_of(10.0, 10.0, 10.0, 0.5, 0.8, 0.0);
+        uint32_t balls[25];
+        double sum = 0.0;
+        add_floor(scene, 0.4, 0.0);
+        const uint32_t id = add_at(scene, &box, 0.0, 0.0, 0.5);
+        for (int i = 0; i < 25; i++) {
+            tribo_scene_body ball = sphere_of(1.0, 0.5, 0.8, 0.0);
+            balls[i] = add_at(scene, &ball, 2.0 * (i % 5) - 4.0, 2.0 * (i / 5) - 4.0, 1.5);
+        }
+        assert_int_equal(tribo_scene_set_force(scene, id, force, NULL), TRIBO_OK);
+        for (int i = 0; i < 400; i++) {
+            const double t = i * dt;
+            const tribo_body b = state_of(scene, id);
+            const tribo_body s = state_of(scene, balls[0]);
+            for (int j = 0; j < 2; j++) {
+                sum += pow(b.velocity[j] - 0.7385 * t * d[j], 2.0) +
+                       pow(s.velocity[j] - 0.211 * t * d[j], 2.0);
+            }
+            run(scene, dt, 1, NULL);
+        }
+        print_message("# direction %d: error %.3g (m/s)^2\n", k, sum / 400.0);
+        within(sum / 400.0, 1e-24);
+        tribo_scene_destroy(scene);
+    }
+    settle("rolling platform");
+}
+
+/* A box on a belt gains its speed in t = dv / (mu g), in a straight line; so it does on a floor
+ * that moves. */
+static void test_conveyor(void **state)
+{
+    const double time = 0.5 / (0.3 * G);
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        const double dt = 1e-3;
+        tribo_scene *scene = make_scene(0.0, -G, 0);
+        tribo_scene_body belt = floor_of(0.3, 0.0);
+        tribo_scene_body box = box_of(2.0, 0.5, 0.4, 0.1, 0.3, 0.0);
+        if (k == 0) {
+            belt.belt[0] = 0.5;
+        } else {
+            belt.kind = TRIBO_BODY_KINEMATIC;
+            belt.state.velocity[0] = 0.5;
+        }
+        add(scene, &belt);
+        const uint32_t id = add_at(scene, &box, 0.0, 0.0, 0.1);
+        run(scene, dt, 1000, NULL);
+        const tribo_body end = state_of(scene, id);
+        within(fabs(end.velocity[0] - 0.5), 1e-13);
+        within(fabs(end.position[0] - 0.25 * time - 0.5 * (1.0 - time)), dt);
+        within(fabs(end.position[1]), 1e-12);
+        tribo_scene_destroy(scene);
+    }
+    settle("conveyor");
+}
+
+/* Friction just above the slope's holds without creep; below, a = g (sin - mu cos). */
+static void test_box_on_a_slope(void **state)
+{
+    static const double parts[4] = {1.1, 1.001, 1.0001, 0.99};
+    const double angle = PI / 6.0;
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        const double mu = parts[k] * tan(angle);
+        const double a = 10.0 * (sin(angle) - mu * cos(angle));
+        tribo_scene *scene = make_scene(10.0 * sin(angle), -10.0 * cos(angle), 0);
+        tribo_scene_body box = box_of(1.0, 0.5, 0.5, 0.5, mu, 0.0);
+        add_floor(scene, mu, 0.0);
+        const uint32_t id = add_at(scene, &box, 0.0, 0.0, 0.5);
+        run(scene, 1.0 / 60.0, 600, NULL);
+        const double x = state_of(scene, id).position[0];
+        within(fabs(x - (a > 0.0 ? 50.0 * a : 0.0)), 1e-9);
+        tribo_scene_destroy(scene);
+    }
+    settle("10 s on a slope");
+}
+
+/* A puck on three points, sliding and spinning: friction of each point opposes its own slip. Exact
+ * numbers of the ordinary differential equation. */
+static void test_tripod_couples_slide_and_spin(void **state)
+{
+    tribo_child feet[3];
+    tribo_scene_body puck;
+    double errors[2];
+    (void)state;
+    memset(feet, 0, sizeof feet);
+    for (int k = 0; k < 3; k++) {
+        const double a = 0.2 + k * 2.0 * PI / 3.0;
+        feet[k].shape.type = TRIBO_SHAPE_SPHERE;
+        feet[k].shape.size[0] = feet[k].pose.position[2] = 0.01;
+        feet[k].pose.position[0] = 0.1 * cos(a);
+        feet[k].pose.position[1] = 0.1 * sin(a);
+        feet[k].pose.orientation[0] = 1.0;
+    }
+    tribo_scene_body_init(&puck);
+    puck.state = body_of(1.0, 0.0025, 0.0025, 0.005);
+    puck.shape.type = TRIBO_SHAPE_COMPOUND;
+    puck.shape.count = 3;
+    puck.shape.data = feet;
+    puck.material = (tribo_material){0.3, 0.3, 0.0};
+    puck.state.velocity[0] = 1.0;
+    puck.state.angular_velocity[2] = 20.0;
+    for (int k = 0; k < 2; k++) {
+        const double dt = k == 0 ? 1e-2 : 1e-3;
+        tribo_scene *scene = make_scene(0.0, -G, 0);
+        add_floor(scene, 0.3, 0.0);
+        const uint32_t id = add(scene, &puck);
+        run(scene, dt, (int)(0.2 / dt + 0.5), NULL);
+        const tribo_body then = state_of(scene, id);
+        errors[k] = fabs(then.angular_velocity[2] - 9.709595198);
+        within(fabs(then.velocity[0] - 0.784187613), 0.25 * dt);
+        within(fabs(then.velocity[1] + 0.003288545), 0.25 * dt);
+        within(errors[k], 3.0 * dt);
+        within(fabs(then.position[0] - 0.181163537), 0.05 * dt);
+        run(scene, dt, (int)(0.4 / dt + 0.5), NULL);
+        const tribo_body end = state_of(scene, id);
+        within(fabs(end.position[0] - 0.334270043), 0.5 * dt);
+        within(fabs(end.position[1] - 0.004602731), 0.5 * dt);
+        within(fabs(end.velocity[0]), 1e-12);
+        within(fabs(end.angular_velocity[2]), 1e-12);
+        tribo_scene_destroy(scene);
+    }
+    settle("tripod");
+    assert_true(fabs(log10(errors[0] / errors[1]) - 1.0) <= 0.05);
+}
+
+/* Balls that touch share an impact: Newton's law for all contacts at once. Balls with gaps pass it
+ * on. */
+static void test_cradles(void **state)
+{
+    static const double shared[5] = {-0.6, 0.4, 0.4, 0.4, 0.4};
+    static const double passed[5] = {0.0, 0.0, 0.0, 0.0, 1.0};
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        tribo_scene *scene = make_scene(0.0, 0.0, 0);
+        tribo_scene_body ball = sphere_of(1.0, 0.5, 0.0, 1.0);
+        for (int i = 0; i < 5; i++) {
+            ball.state.velocity[0] = i == 0 ? 1.0 : 0.0;
+            add_at(scene, &ball, i == 0 ? -0.005 : i * (k == 0 ? 1.0 : 1.001), 0.0, 0.0);
+        }
+        run(scene, 0.01, 100, NULL);
+        for (uint32_t i = 0; i < 5; i++) {
+            const double v = state_of(scene, i).velocity[0];
+            within(fabs(v - (k == 0 ? shared[i] : passed[i])), 1e-12);
+        }
+        tribo_scene_destroy(scene);
+    }
+    settle("five balls in a row");
+}
+
+/* ---- units ----------------------------------------------------------------------------------- */
+
+enum { MIXED = 10 };
+
+/* Boxes and balls that tumble onto a block, in units of length, mass and time. */
+static void tumble(double length, double mass, double time, tribo_body *end)
+{
+    tribo_scene *scene = make_scene(0.0, -G * length / (time * time), 0);
+    tribo_scene_body block = floor_of(0.4, 0.3);
+    block.shape.type = TRIBO_SHAPE_BOX;
+    block.shape.size[0] = block.shape.size[1] = 5.0 * length;
+    block.shape.size[2] = 0.5 * length;
+    add_at(scene, &block, 0.0, 0.0, -0.5 * length);
+    for (int i = 0; i < MIXED; i++) {
+        const double m = mass * (1 + i);
+        tribo_scene_body body =
+            i % 3 == 0 ? sphere_of(m, 0.15 * length, 0.4, 0.3)
+                       : box_of(m, 0.2 * length, 0.15 * length, 0.1 * length, 0.4, 0.3);
+        body.state.angular_velocity[0] = 0.5 * i / time;
+        add_at(scene, &body, 0.1 * (i % 3) * length, 0.1 * (i % 2) * length,
+               (0.5 + 0.4 * i) * length);
+    }
+    const tribo_step_info info = run(scene, time / 64.0, 200, NULL);
+    assert_true(info.impacts > 10 && info.contact_solves > 100);
+    for (uint32_t i = 0; i < MIXED; i++) {
+        end[i] = state_of(scene, i + 1);
+    }
+    tribo_scene_destroy(scene);
+}
+
+/* Powers of two scale the answer to the bit. */
+static void test_units_do_not_matter(void **state)
+{
+    static const int exponents[3][3] = {{20, -40, 10}, {-20, 40, -10}, {3, 0, 0}};
+    tribo_body plain[MIXED];
+    tribo_body scaled[MIXED];
+    (void)state;
+    tumble(1.0, 1.0, 1.0, plain);
+    for (int k = 0; k < 3; k++) {
+        const double length = ldexp(1.0, exponents[k][0]);
+        const double time = ldexp(1.0, exponents[k][2]);
+        tumble(length, ldexp(1.0, exponents[k][1]), time, scaled);
+        for (int i = 0; i < MIXED; i++) {
+            for (int j = 0; j < 3; j++) {
+                assert_true(scaled[i].position[j] == plain[i].position[j] * length);
+                assert_true(scaled[i].velocity[j] == plain[i].velocity[j] * length / time);
+                assert_true(scaled[i].angular_velocity[j] == plain[i].angular_velocity[j] / time);
+            }
+            assert_true(same_bits(scaled[i].orientation, plain[i].orientation, 4));
+        }
+    }
+}
+
+/* ---- stacks ---------------------------------------------------------------------------------- */
+
+typedef struct stack {
+    tribo_scene *scene;
+    uint32_t top;
+    double mass;
+} stack;
+
+static stack make_stack(int boxes, double ratio)
+{
+    stack out = {make_scene(0.0, -G, 0), 0, 0.0};
+    add_floor(out.scene, 0.5, 0.0);
+    for (int k = 0; k < boxes; k++) {
+        const double mass = k == boxes - 1 ? ratio : 1.0;
+        tribo_scene_body box = box_of(mass, 0.5, 0.5, 0.5, 0.5, 0.0);
+        out.top = add_at(out.scene, &box, 0.0, 0.0, 0.5 + k);
+        out.mass += mass;
+    }
+    return out;
+}
+
+static void test_stacks_rest(void **state)
+{
+    /* A residual of 1e-12 is one of the greatest impulse: it may move the lightest body by that. */
+    static const struct {
+        int boxes;
+        double ratio;
+    } cases[5] = {{1, 1.0}, {10, 1.0}, {2, 1000.0}, {2, 1e6}, {20, 1.0}};
+    const double dt = 1.0 / 60.0;
+    (void)state;
+    for (int k = 0; k < 5; k++) {
+        const int boxes = cases[k].boxes;
+        const double residual = 1e-12 * fmax(cases[k].ratio, boxes) * G * dt;
+        const stack s = make_stack(boxes, cases[k].ratio);
+        tribo_scene_event events[32];
+        size_t count = 0;
+        const tribo_step_info first = run(s.scene, dt, 1, NULL);
+        const tribo_step_info rest = run(s.scene, dt, 600, NULL);
+        const tribo_body top = state_of(s.scene, s.top);
+        assert_int_equal(first.stop, TRIBO_STOP_TOLERANCE);
+        assert_int_equal(rest.stop, TRIBO_STOP_TOLERANCE);
+        assert_int_equal(rest.impacts, 0);
+        assert_int_equal(tribo_scene_events(s.scene, 32, events, &count), TRIBO_OK);
+        assert_int_equal(count, boxes);
+        print_message("# %d boxes, top %g kg: moved by %.2g, %.2g m, %d sweeps and %d Newton steps "
+                      "in 600 steps\n",
+                      boxes, cases[k].ratio, hypot(top.position[0], top.position[1]),
+                      top.position[2] - (boxes - 0.5), (int)rest.sweeps, (int)rest.newton_steps);
+        within(hypot(top.position[0], top.position[1]), residual * 600.0 * dt * boxes);
+        within(fabs(top.position[2] - (boxes - 0.5)), (residual * 600.0 * dt + 1e-9) * boxes);
+        double above = s.mass;
+        for (int i = 0; i < boxes; i++) {
+            const double weight = above * G * dt;
+            assert_int_equal(events[i].kind, TRIBO_EVENT_PERSIST);
+            within(fabs(-events[i].impulse[2] - weight), 1e-8 * weight * boxes);
+            within(fabs(events[i].normal - weight), 1e-8 * weight * boxes);
+            above -= 1.0;
+        }
+        tribo_scene_destroy(s.scene);
+    }
+    settle("stacks over 10 s");
+}
+
+/* ---- conservation ---------------------------------------------------------------------------- */
+
+static double random_number(void)
+{
+    static uint64_t seed = 1;
+    seed = seed * 6364136223846793005u + 1442695040888963407u;
+    return (double)(seed >> 11) * 0x1p-52 - 1.0;
+}
+
+static tribo_scene *make_encounter(double mu, double e)
+{
+    tribo_scene *scene = make_scene(0.0, 0.0, 0);
+    for (int k = 0; k < 2; k++) {
+        tribo_scene_body box = box_of(1.0 + k, 0.5, 0.3, 0.2, mu, e);
+        for (int i = 0; i < 3; i++) {
+            box.state.velocity[i] = random_number();
+            box.state.angular_velocity[i] = 3.0 * random_number();
+        }
+        box.state.velocity[0] += k == 0 ? 3.0 : -3.0;
+        const double y = 0.3 * random_number();
+        const double z = 0.3 * random_number();
+        add_at(scene, &box, k == 0 ? -1.5 : 1.5, y, z);
+    }
+    return scene;
+}
+
+/* Two boxes in empty space: momentum to rounding as long as nothing is moved apart, kinetic energy
+ * never more, and with e = 1 and no friction never less. */
+static void test_encounters_conserve(void **state)
+{
+    static const double origin[3] = {0.0, 0.0, 0.0};
+    static const double cases[5][2] = {{0.0, 1.0}, {0.0, 0.0}, {0.5, 0.0}, {0.5, 0.5}, {0.5, 1.0}};
+    int met = 0;
+    (void)state;
+    for (int k = 0; k < 5 * 200; k++) {
+        tribo_scene *scene = make_encounter(cases[k / 200][0], cases[k / 200][1]);
+        const tribo_step_options options = {.struct_size = sizeof options,
+                                            .skip = TRIBO_SKIP_CORRECTION};
+        tribo_totals before;
+        tribo_totals after;
+        tribo_change change;
+        tribo_scene_totals(scene, origin, &before, NULL);
+        const tribo_step_info info = run(scene, 1.0 / 60.0, 60, &options);
+        tribo_scene_totals(scene, origin, &after, NULL);
+        assert_int_equal(tribo_audit_change(&before, &after, &change), TRIBO_OK);
+        met += info.contact_solves + info.impact_solves > 0;
+        within(change.linear, 64.0 * EPS);
+        within(change.angular, 64.0 * EPS);
+        within(fmax(change.energy, 0.0), 64.0 * EPS);
+        /* What the solver leaves of each impact. */
+        within(k < 200 ? fmax(-change.energy, 0.0) : 0.0, 1e-12 * (1.0 + (double)info.impacts));
+        tribo_scene_destroy(scene);
+    }
+    print_message("# %d of 1000 pairs met\n", met);
+    assert_true(met > 500);
+    settle("momentum and energy of encounters");
+}
+
+/* An elastic heap of spheres, frictionless: total energy to rounding over many impacts. */
+static void test_elastic_heap_keeps_energy(void **state)
+{
+    tribo_scene *scene = make_scene(0.0, -G, 0);
+    (void)state;
+    add_floor(scene, 0.0, 1.0);
+    for (int i = 0; i < 64; i++) {
+        tribo_scene_body ball = sphere_of(10.0, 0.1, 0.0, 1.0);
+        const double x = 0.21 * (i % 4) + 1e-3 * random_number();
+        const double y = 0.21 * (i / 4 % 4) + 1e-3 * random_number();
+        const double z = 1.1 + 0.21 * (i / 16) + 1e-3 * random_number();
+        add_at(scene, &ball, x, y, z);
+    }
+    const double before = energy_of(scene);
+    const tribo_step_info info = run(scene, 0.01, 200, NULL);
+    print_message("# %d impacts, energy off by %.3g of %g J\n", (int)info.impacts,
+                  energy_of(scene) - before, before);
+    assert_true(info.impacts > 100);
+    within(fabs(energy_of(scene) - before), 1e-11 * before);
+    settle("elastic heap");
+    tribo_scene_destroy(scene);
+}
+
+/* A wall of 1 cm stops a ball at 300 m/s, which passes 5 m in a step. */
+static void test_fast_ball_does_not_pass(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        const tribo_step_options options = {.struct_size = sizeof options,
+                                            .skip = k == 0 ? 0 : TRIBO_SKIP_SPECULATION};
+        tribo_scene *scene = make_scene(0.0, 0.0, 0);
+        tribo_scene_body wall = floor_of(0.0, 0.0);
+        tribo_scene_body ball = sphere_of(0.01, 0.01, 0.0, 0.0);
+        wall.shape.type = TRIBO_SHAPE_BOX;
+        wall.shape.size[0] = 0.005;
+        wall.shape.size[1] = wall.shape.size[2] = 5.0;
+        add(scene, &wall);
+        ball.state.velocity[0] = 300.0;
+        const uint32_t id = add_at(scene, &ball, -13.3, 0.0, 0.0);
+        run(scene, 1.0 / 60.0, 60, &options);
+        const double x = state_of(scene, id).position[0];
+        if (k == 0) {
+            within(fabs(x + 0.015), 1e-12);
+        } else {
+            assert_true(x > 1.0);
+        }
+        tribo_scene_destroy(scene);
+    }
+    settle("a ball before a wall");
+}
+
+/* Overlaps go away, and nothing gets faster by it. */
+static void test_overlap_goes_without_speed(void **state)
+{
+    tribo_scene *scene = make_scene(0.0, 0.0, 0);
+    (void)state;
+    tribo_scene_body ball = sphere_of(1.0, 0.5, 0.0, 0.0);
+    const uint32_t a = add_at(scene, &ball, 0.0, 0.0, 0.0);
+    const uint32_t b = add_at(scene, &ball, 0.9, 0.0, 0.0);
+    const tribo_step_info info = run(scene, 1.0 / 60.0, 200, NULL);
+    const tribo_body one = state_of(scene, a);
+    const tribo_body two = state_of(scene, b);
+    assert_true(info.correction_solves > 0);
+    assert_true(energy_of(scene) == 0.0);
+    within(fabs(two.position[0] - one.position[0] - 1.0), 1e-8);
+    within(fabs(two.position[0] + one.position[0] - 0.9), 1e-14);
+    settle("two balls that overlap");
+    tribo_scene_destroy(scene);
+}
+
+/* ---- only what the scene needs --------------------------------------------------------------- */
+
+static void test_stages_that_are_not_needed(void **state)
+{
+    tribo_scene *scene = make_scene(0.0, -G, 0);
+    tribo_scene_body ball = sphere_of(1.0, 0.5, 0.0, 0.0);
+    (void)state;
+    tribo_step_info info = run(scene, 0.01, 3, NULL);
+    assert_int_equal(info.flights + info.broad + info.contact_solves, 0);
+    add_at(scene, &ball, 0.0, 0.0, 0.5);
+    info = run(scene, 0.01, 3, NULL);
+    assert_int_equal(info.flights, 5); /* the first half-flight is one at rest */
+    assert_int_equal(info.turns + info.broad + info.pairs, 0);
+    tribo_scene_destroy(scene);
+
+    scene = make_scene(0.0, -G, 0);
+    add_floor(scene, 0.0, 0.0);
+    add_at(scene, &ball, 0.0, 0.0, 5.0);
+    info = run(scene, 0.01, 3, NULL);
+    assert_int_equal(info.broad, 3);
+    assert_int_equal(info.contact_solves + info.impact_solves + info.contacts, 0);
+    run(scene, 0.01, 200, NULL);
+    info = run(scene, 0.01, 3, NULL);
+    assert_int_equal(info.contact_solves, 3);
+    assert_int_equal(info.contacts, 3);
+    assert_int_equal(info.frictionless, 3);
+    assert_int_equal(info.matched, 3);
+    assert_int_equal(info.impact_solves + info.correction_solves + info.turns, 0);
+    tribo_scene_destroy(scene);
+}
+
+/* Contacts keep their impulses from step to step, and those of no use are left out. */
+static void test_warm_start(void **state)
+{
+    tribo_step_options cold = {.struct_size = sizeof cold, .skip = TRIBO_SKIP_WARM_START};
+    const stack a = make_stack(5, 1.0);
+    const stack b = make_stack(5, 1.0);
+    (void)state;
+    run(a.scene, 0.01, 1, NULL);
+    run(b.scene, 0.01, 1, &cold);
+    const tribo_step_info warm = run(a.scene, 0.01, 50, NULL);
+    const tribo_step_info none = run(b.scene, 0.01, 50, &cold);
+    print_message("# sweeps and Newton steps: %d and %d warm, %d and %d cold\n", (int)warm.sweeps,
+                  (int)warm.newton_steps, (int)none.sweeps, (int)none.newton_steps);
+    assert_int_equal(none.matched, 0);
+    assert_int_equal(warm.matched, warm.contacts);
+    assert_true(warm.sweeps + 10 * warm.newton_steps < none.sweeps + 10 * none.newton_steps);
+    tribo_scene_destroy(a.scene);
+    tribo_scene_destroy(b.scene);
+}
+
+/* ---- events ---------------------------------------------------------------------------------- */
+
+static void test_events(void **state)
+{
+    tribo_scene *scene = make_scene(0.0, -10.0, 0);
+    tribo_scene_body ball = sphere_of(2.0, 0.5, 0.0, 0.5);
+    tribo_scene_event event;
+    size_t count = 9;
+    (void)state;
+    add_floor(scene, 0.0, 0.5);
+    ball.state.velocity[2] = -2.0;
+    const uint32_t id = add_at(scene, &ball, 0.0, 0.0, 0.515);
+    run(scene, 0.01, 1, NULL);
+    assert_int_equal(tribo_scene_events(scene, 1, &event, &count), TRIBO_OK);
+    assert_int_equal(count, 1);
+    assert_int_equal(event.kind, TRIBO_EVENT_BEGIN);
+    assert_int_equal(event.a, 0);
+    assert_int_equal(event.b, id);
+    assert_int_equal(event.impacts, 1);
+    /* It meets the floor at 2 + 10 h/2 m/s. */
+    within(fabs(event.impulse[2] + 2.0 * 1.5 * 2.05), 1e-13);
+    within(fabs(event.normal - 2.0 * 1.5 * 2.05), 1e-13);
+    run(scene, 0.01, 1, NULL);
+    assert_int_equal(tribo_scene_events(scene, 1, &event, &count), TRIBO_OK);
+    assert_int_equal(count, 1);
+    assert_int_equal(event.kind, TRIBO_EVENT_END);
+    assert_true(event.normal == 0.0 && event.impulse[2] == 0.0);
+    run(scene, 0.01, 1, NULL);
+    assert_int_equal(tribo_scene_events(scene, 0, NULL, &count), TRIBO_OK);
+    assert_int_equal(count, 0);
+    settle("impulse of an impact");
+    tribo_scene_destroy(scene);
+}
+
+static void test_contacts(void **state)
+{
+    const stack s = make_stack(2, 1.0);
+    tribo_scene_contact contacts[8];
+    size_t count = 0;
+    double sum = 0.0;
+    (void)state;
+    const tribo_step_options options = {.struct_size = sizeof options, .substeps = 4};
+    run(s.scene, 0.04, 10, &options);
+    assert_int_equal(tribo_scene_contacts(s.scene, 7, contacts, &count), TRIBO_ERROR_CAPACITY);
+    assert_int_equal(count, 8);
+    assert_int_equal(tribo_scene_contacts(s.scene, 8, contacts, &count), TRIBO_OK);
+    for (int i = 0; i < 8; i++) {
+        assert_int_equal(contacts[i].a, i / 4);
+        assert_int_equal(contacts[i].b, i / 4 + 1);
+        within(fabs(contacts[i].normal[2] + 1.0), 1e-9);
+        within(fabs(contacts[i].arm_b[2] + 0.5), 1e-9);
+        within(fabs(contacts[i].distance), 1e-9);
+        sum -= contacts[i].impulse[2];
+    }
+    within(fabs(sum - 3.0 * G * 0.01), 1e-9);
+    settle("contacts of two boxes");
+    tribo_scene_destroy(s.scene);
+}
+
+/* ---- saving ---------------------------------------------------------------------------------- */
+
+static tribo_scene *make_mixture(void)
+{
+    tribo_scene *scene = make_scene(0.0, -G, 0);
+    add_floor(scene, 0.4, 0.3);
+    for (int i = 0; i < 12; i++) {
+        tribo_scene_body box = box_of(1.0 + i, 0.2, 0.15, 0.1, 0.4, 0.3);
+        tribo_scene_body ball = sphere_of(1.0 + i, 0.15, 0.4, 0.3);
+        tribo_scene_body *body = i % 3 == 0 ? &ball : &box;
+        body->state.angular_velocity[0] = 0.5 * i;
+        body->offset.position[0] = i == 4 ? 0.05 : 0.0;
+        add_at(scene, body, 0.1 * (i % 3), 0.1 * (i % 2), 0.5 + 0.4 * i);
+    }
+    return scene;
+}
+
+static void assert_same(const tribo_scene *a, const tribo_scene *b, uint32_t end)
+{
+    for (uint32_t i = 0; i < end; i++) {
+        tribo_body one;
+        tribo_body two;
+        assert_int_equal(tribo_scene_get_body(a, i, &one, NULL),
+                         tribo_scene_get_body(b, i, &two, NULL));
+        assert_memory_equal(&one, &two, sizeof one);
+    }
+}
+
+static void test_saved_state_goes_on_to_the_bit(void **state)
+{
+    const tribo_step_options options = {
+        .struct_size = sizeof options, .substeps = 2, .sleep_time = 0.5, .sleep_speed = 0.05};
+    tribo_scene *scene = make_mixture();
+    tribo_scene *other = make_scene(0.0, 0.0, 0);
+    size_t needed = 0;
+    (void)state;
+    assert_int_equal(tribo_scene_remove(scene, 3), TRIBO_OK);
+    run(scene, 1.0 / 60.0, 60, &options);
+    assert_int_equal(tribo_scene_save(scene, NULL, 0, &needed), TRIBO_ERROR_CAPACITY);
+    void *block = malloc(needed);
+    void *again = malloc(needed);
+    assert_non_null(block);
+    assert_non_null(again);
+    assert_int_equal(tribo_scene_save(scene, block, needed, NULL), TRIBO_OK);
+    const tribo_step_info first = run(scene, 1.0 / 60.0, 200, &options);
+    assert_int_equal(tribo_scene_load(other, block, needed), TRIBO_OK);
+    assert_int_equal(tribo_scene_save(other, again, needed, NULL), TRIBO_OK);
+    assert_memory_equal(block, again, needed);
+    const tribo_step_info second = run(other, 1.0 / 60.0, 200, &options);
+    assert_memory_equal(&first, &second, sizeof first);
+    assert_same(scene, other, 13);
+    assert_int_equal(tribo_scene_load(scene, block, needed), TRIBO_OK);
+    run(scene, 1.0 / 60.0, 200, &options);
+    assert_same(scene, other, 13);
+
+    ((unsigned char *)block)[needed / 2] ^= 1;
+    assert_int_equal(tribo_scene_load(scene, block, needed), TRIBO_ERROR_DATA);
+    ((unsigned char *)block)[needed / 2] ^= 1;
+    assert_int_equal(tribo_scene_load(scene, block, needed - 8), TRIBO_ERROR_DATA);
+    assert_int_equal(tribo_scene_load(scene, block, 8), TRIBO_ERROR_DATA);
+    assert_same(scene, other, 13);
+    free(block);
+    free(again);
+    tribo_scene_destroy(scene);
+    tribo_scene_destroy(other);
+}
+
+/* ---- sleep ----------------------------------------------------------------------------------- */
+
+static uint32_t sleepers(const tribo_scene *scene, uint32_t end)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < end; i++) {
+        tribo_body state;
+        uint32_t asleep = 9;
+        assert_int_equal(tribo_scene_get_body(scene, i, &state, &asleep), TRIBO_OK);
+        count += asleep;
+    }
+    return count;
+}
+
+static void test_sleep(void **state)
+{
+    const tribo_step_options options = {
+        .struct_size = sizeof options, .sleep_time = 0.1, .sleep_speed = 0.01};
+    const double dt = 0.01;
+    const stack s = make_stack(3, 1.0);
+    tribo_scene_event events[4];
+    size_t count = 0;
+    (void)state;
+    run(s.scene, dt, 9, &options);
+    assert_int_equal(sleepers(s.scene, 4), 0);
+    run(s.scene, dt, 3, &options);
+    assert_int_equal(sleepers(s.scene, 4), 3);
+    const tribo_step_info info = run(s.scene, dt, 10, &options);
+    assert_int_equal(info.asleep, 3);
+    assert_int_equal(info.pairs + info.contact_solves + info.flights, 0);
+    assert_int_equal(tribo_scene_events(s.scene, 4, events, &count), TRIBO_OK);
+    assert_int_equal(count, 3);
+    within(fabs(events[0].normal - 3.0 * G * dt), 1e-9);
+
+    /* A ball that falls on it wakes all of it when it comes near. */
+    tribo_scene_body ball = sphere_of(1.0, 0.2, 0.5, 0.0);
+    ball.state.velocity[2] = -1.0;
+    add_at(s.scene, &ball, 0.0, 0.0, 3.4);
+    run(s.scene, dt, 1, &options);
+    assert_int_equal(sleepers(s.scene, 5), 3);
+    run(s.scene, dt, 20, &options);
+    assert_int_equal(sleepers(s.scene, 5), 0);
+    run(s.scene, dt, 100, &options);
+    assert_int_equal(sleepers(s.scene, 5), 4);
+
+    /* What stands on a body that is taken away falls. */
+    assert_int_equal(tribo_scene_remove(s.scene, 1), TRIBO_OK);
+    run(s.scene, dt, 10, &options);
+    assert_true(state_of(s.scene, 3).velocity[2] < -0.5);
+    settle("impulses of sleepers");
+    tribo_scene_destroy(s.scene);
+}
+
+/* ---- bad input ------------------------------------------------------------------------------- */
+
+static void test_bad_bodies(void **state)
+{
+    tribo_scene *scene = make_scene(0.0, -G, 0);
+    const tribo_scene_body good = sphere_of(1.0, 0.5, 0.5, 0.5);
+    uint32_t id = 77;
+    uint32_t before = 0;
+    (void)state;
+#define REFUSED(status, change)                                                \
+    do {                                                                       \
+        tribo_scene_body bad = good;                                           \
+        change;                                                                \
+        ASSERT_REFUSED(id, before, status, tribo_scene_add(scene, &bad, &id)); \
+    } while (0)
+    REFUSED(TRIBO_ERROR_STRUCT_SIZE, bad.struct_size = 4);
+    REFUSED(TRIBO_ERROR_OPTION, bad.kind = 3);
+    REFUSED(TRIBO_ERROR_MASS, bad.state.inverse_mass = 0.0);
+    REFUSED(TRIBO_ERROR_MASS, bad.kind = TRIBO_BODY_STATIC);
+    REFUSED(TRIBO_ERROR_INERTIA, bad.kind = TRIBO_BODY_STATIC; bad.state.inverse_mass = 0.0);
+    REFUSED(TRIBO_ERROR_INERTIA, bad.state.inverse_inertia[1] = bad.state.inverse_inertia[0]);
+    REFUSED(TRIBO_ERROR_NOT_FINITE, bad.state.position[1] = NOT_A_NUMBER);
+    REFUSED(TRIBO_ERROR_NOT_FINITE, bad.belt[2] = INFINITE);
+    REFUSED(TRIBO_ERROR_NOT_FINITE, bad.offset.position[0] = NOT_A_NUMBER);
+    REFUSED(TRIBO_ERROR_ORIENTATION, bad.offset.orientation[0] = 0.5);
+    REFUSED(TRIBO_ERROR_ORIENTATION, bad.state.orientation[0] = 0.5);
+    REFUSED(TRIBO_ERROR_FRICTION, bad.material.mu_d = 0.6);
+    REFUSED(TRIBO_ERROR_RESTITUTION, bad.material.e = 1.5);
+    REFUSED(TRIBO_ERROR_SHAPE, bad.shape.size[0] = 0.0);
+    REFUSED(TRIBO_ERROR_OPTION, bad.shape.type = 99);
+    REFUSED(TRIBO_ERROR_SHAPE, bad.shape.type = TRIBO_SHAPE_HALFSPACE; bad.shape.size[0] = 1.0);
+    REFUSED(TRIBO_ERROR_RANGE, tribo_body_init(&bad.state); bad.kind = TRIBO_BODY_STATIC;
+            bad.state.velocity[0] = 1.0);
+#undef REFUSED
+    assert_int_equal(tribo_scene_add(NULL, &good, &id), TRIBO_ERROR_NULL);
+    assert_int_equal(tribo_scene_add(scene, NULL, &id), TRIBO_ERROR_NULL);
+    assert_int_equal(tribo_scene_add(scene, &good, NULL), TRIBO_ERROR_NULL);
+    uint32_t count = 9;
+    assert_int_equal(tribo_scene_counts(scene, &count, NULL), TRIBO_OK);
+    assert_int_equal(count, 0);
+    tribo_scene_destroy(scene);
+}
+
+static void test_bad_settings(void **state)
+{
+    tribo_scene_settings settings = {.struct_size = sizeof settings};
+    tribo_allocator allocator = {.struct_size = sizeof allocator};
+    tribo_scene *scene = NULL;
+    (void)state;
+    assert_int_equal(tribo_scene_create(NULL, NULL, NULL), TRIBO_ERROR_NULL);
+    assert_int_equal(tribo_scene_create(NULL, &allocator, &scene), TRIBO_ERROR_NULL);
+    allocator.struct_size = 4;
+    assert_int_equal(tribo_scene_create(NULL, &allocator, &scene), TRIBO_ERROR_STRUCT_SIZE);
+    settings.friction_rule = 5;
+    assert_int_equal(tribo_scene_create(&settings, NULL, &scene), TRIBO_ERROR_OPTION);
+    settings.friction_rule = 0;
+    settings.gravity[1] = NOT_A_NUMBER;
+    assert_int_equal(tribo_scene_create(&settings, NULL, &scene), TRIBO_ERROR_NOT_FINITE);
+    settings.struct_size = 1;
+    assert_int_equal(tribo_scene_create(&settings, NULL, &scene), TRIBO_ERROR_STRUCT_SIZE);
+    assert_null(scene);
+    tribo_scene_destroy(NULL);
+}
+
+static void test_bad_steps(void **state)
+{
+    const stack s = make_stack(1, 1.0);
+    const tribo_body before = state_of(s.scene, s.top);
+    tribo_step_info info = {.struct_size = sizeof info};
+    tribo_step_info kept;
+    (void)state;
+#define REFUSED(status, dt, change)                                                     \
+    do {                                                                                \
+        tribo_step_options bad = {.struct_size = sizeof bad};                           \
+        change;                                                                         \
+        ASSERT_REFUSED(info, kept, status, tribo_scene_step(s.scene, dt, &bad, &info)); \
+    } while (0)
+    REFUSED(TRIBO_ERROR_TIME_STEP, 0.0, (void)0);
+    REFUSED(TRIBO_ERROR_TIME_STEP, -1.0, (void)0);
+    REFUSED(TRIBO_ERROR_NOT_FINITE, NOT_A_NUMBER, (void)0);
+    REFUSED(TRIBO_ERROR_NOT_FINITE, INFINITE, (void)0);
+    REFUSED(TRIBO_ERROR_STRUCT_SIZE, 0.01, bad.struct_size = 0);
+    REFUSED(TRIBO_ERROR_OPTION, 0.01, bad.solver = 3);
+    REFUSED(TRIBO_ERROR_OPTION, 0.01, bad.skip = 16);
+    REFUSED(TRIBO_ERROR_RANGE, 0.01, bad.tolerance = -1.0);
+    REFUSED(TRIBO_ERROR_RANGE, 0.01, bad.correction = 1.5);
+    REFUSED(TRIBO_ERROR_NOT_FINITE, 0.01, bad.margin = NOT_A_NUMBER);
+    REFUSED(TRIBO_ERROR_RANGE, 0.01, bad.substeps = 0x100001u);
+#undef REFUSED
+    assert_int_equal(tribo_scene_step(NULL, 0.01, NULL, NULL), TRIBO_ERROR_NULL);
+    info.struct_size = 0;
+    assert_int_equal(tribo_scene_step(s.scene, 0.01, NULL, &info), TRIBO_ERROR_STRUCT_SIZE);
+    const tribo_body after = state_of(s.scene, s.top);
+    assert_memory_equal(&before, &after, sizeof before);
+    tribo_scene_destroy(s.scene);
+}
+
+static void test_bad_ids(void **state)
+{
+    const stack s = make_stack(1, 1.0);
+    const double bad[3] = {0.0, NOT_A_NUMBER, 0.0};
+    tribo_body body = state_of(s.scene, s.top);
+    tribo_totals totals;
+    size_t count = 0;
+    (void)state;
+    assert_int_equal(tribo_scene_get_body(s.scene, 2, &body, NULL), TRIBO_ERROR_INDEX);
+    assert_int_equal(tribo_scene_get_body(s.scene, 0, NULL, NULL), TRIBO_ERROR_NULL);
+    assert_int_equal(tribo_scene_set_body(s.scene, 2, &body), TRIBO_ERROR_INDEX);
+    assert_int_equal(tribo_scene_set_body(s.scene, 0, &body), TRIBO_ERROR_MASS);
+    assert_int_equal(tribo_scene_set_body(s.scene, 0, NULL), TRIBO_ERROR_NULL);
+    assert_int_equal(tribo_scene_remove(s.scene, 9), TRIBO_ERROR_INDEX);
+    assert_int_equal(tribo_scene_remove(NULL, 0), TRIBO_ERROR_NULL);
+    assert_int_equal(tribo_scene_set_force(s.scene, 0, NULL, NULL), TRIBO_ERROR_MASS);
+    assert_int_equal(tribo_scene_set_force(s.scene, 7, NULL, NULL), TRIBO_ERROR_INDEX);
+    assert_int_equal(tribo_scene_set_force(s.scene, 1, bad, NULL), TRIBO_ERROR_NOT_FINITE);
+    assert_int_equal(tribo_scene_set_gravity(s.scene, bad), TRIBO_ERROR_NOT_FINITE);
+    assert_int_equal(tribo_scene_set_gravity(s.scene, NULL), TRIBO_ERROR_NULL);
+    assert_int_equal(tribo_scene_totals(s.scene, bad, &totals, NULL), TRIBO_ERROR_NOT_FINITE);
+    assert_int_equal(tribo_scene_contacts(s.scene, 1, NULL, &count), TRIBO_ERROR_NULL);
+    assert_int_equal(tribo_scene_events(s.scene, 0, NULL, NULL), TRIBO_ERROR_NULL);
+    assert_int_equal(tribo_scene_counts(NULL, NULL, NULL), TRIBO_ERROR_NULL);
+    assert_int_equal(tribo_scene_load(s.scene, NULL, 0), TRIBO_ERROR_NULL);
+    assert_int_equal(tribo_scene_save(s.scene, NULL, 8, NULL), TRIBO_ERROR_NULL);
+    assert_int_equal(tribo_scene_body_init(NULL), TRIBO_ERROR_NULL);
+    assert_int_equal(tribo_scene_remove(s.scene, 0), TRIBO_OK);
+    assert_int_equal(tribo_scene_get_body(s.scene, 0, &body, NULL), TRIBO_ERROR_INDEX);
+    tribo_scene_destroy(s.scene);
+}
+
+/* Memory that ends after so many pieces, and that counts those not given back. */
+typedef struct purse {
+    int left, held;
+} purse;
+
+static void *spend(void *user, size_t size)
+{
+    purse *p = user;
+    if (p->left == 0) {
+        return NULL;
+    }
+    p->left--;
+    p->held++;
+    return malloc(size);
+}
+
+static void refund(void *user, void *memory)
+{
+    ((purse *)user)->held--;
+    free(memory);
+}
+
+static void test_memory_ends(void **state)
+{
+    int failed = 0;
+    (void)state;
+    for (int left = 0; left < 60; left++) {
+        purse p = {left, 0};
+        const tribo_allocator allocator = {sizeof allocator, 0, spend, refund, &p};
+        const tribo_scene_settings settings = {.struct_size = sizeof settings,
+                                               .gravity = {0.0, 0.0, -G}};
+        tribo_scene_body box = box_of(1.0, 0.5, 0.5, 0.5, 0.5, 0.0);
+        const tribo_scene_body ground = floor_of(0.5, 0.0);
+        tribo_scene *scene = NULL;
+        uint32_t id = 0;
+        tribo_status status = tribo_scene_create(&settings, &allocator, &scene);
+        if (status == TRIBO_OK) {
+            status = tribo_scene_add(scene, &ground, &id);
+        }
+        box.state.position[2] = 0.5;
+        if (status == TRIBO_OK) {
+            status = tribo_scene_add(scene, &box, &id);
+        }
+        if (status == TRIBO_OK) {
+            status = tribo_scene_step(scene, 0.01, NULL, NULL);
+            const tribo_body body = state_of(scene, id);
+            assert_true(status == TRIBO_OK || same_bits(body.position, box.state.position, 13));
+        }
+        assert_true(status == TRIBO_OK || status == TRIBO_ERROR_MEMORY);
+        failed += status != TRIBO_OK;
+        tribo_scene_destroy(scene);
+        assert_int_equal(p.held, 0);
+    }
+    print_message("# %d of 60 amounts of memory were too little\n", failed);
+    assert_in_range(failed, 10, 59);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST(test_incline_turns_the_path),
+        TEST(test_incline_is_isotropic),
+        TEST(test_sliding_sphere_rolls),
+        TEST(test_free_rotation),
+        TEST(test_bouncing_keeps_energy),
+        TEST(test_bouncing_ball_comes_to_rest),
+        TEST(test_rolling_platform),
+        TEST(test_conveyor),
+        TEST(test_box_on_a_slope),
+        TEST(test_tripod_couples_slide_and_spin),
+        TEST(test_cradles),
+        TEST(test_units_do_not_matter),
+        TEST(test_stacks_rest),
+        TEST(test_encounters_conserve),
+        TEST(test_elastic_heap_keeps_energy),
+        TEST(test_fast_ball_does_not_pass),
+        TEST(test_overlap_goes_without_speed),
+        TEST(test_stages_that_are_not_needed),
+        TEST(test_warm_start),
+        TEST(test_events),
+        TEST(test_contacts),
+        TEST(test_saved_state_goes_on_to_the_bit),
+        TEST(test_sleep),
+        TEST(test_bad_bodies),
+        TEST(test_bad_settings),
+        TEST(test_bad_steps),
+        TEST(test_bad_ids),
+        TEST(test_memory_ends),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
