@@ -19,7 +19,7 @@ flags=(-std=c99 -ffp-contract=off -fno-math-errno -fno-trapping-math -fno-tree-s
 flags+=(-Iinclude -DTRIBO_BUILD)
 sources=()
 # libtribo_core alone: what needs other libraries cannot be built for every target
-full=" $(sed -n 's/^FULL := //p' Makefile) "
+full=" $(sed -n '/^FULL := /{:a;/\\$/{N;s/\\\n//;ba};s/^FULL := //p}' Makefile) "
 for source in src/*.c; do
     [[ $source == *_lanes.c || $full == *" $(basename "$source" .c) "* ]] || sources+=("$source")
 done
