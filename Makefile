@@ -254,6 +254,11 @@ PROBLEMS := $(BUILD)/fuzz/problem $(BUILD)/fuzz/problem-random $(BUILD)/fuzz/pro
 $(PROBLEMS): $(PROBLEM)
 $(PROBLEMS): ROOM_LIBS := $(HDF5_LIBS)
 
+# The scenes of the program are run by a test.
+SCENES := $(filter $(BUILD)/obj/src/cli/scene%.o $(BUILD)/obj/src/cli/world.o,$(CLI_OBJECTS)) \
+          $(BUILD)/obj/src/cli/cli.o
+$(BUILD)/tests/scenes: $(SCENES)
+
 # Siconos is optional: without it, its bench has tribo's own times alone.
 SICONOS := $(wildcard /usr/include/siconos/numerics)
 $(BUILD)/obj/tests/bench/siconos.o: FILE_FLAGS = $(if $(SICONOS),\

@@ -1,3 +1,5 @@
+#define _POSIX_C_SOURCE 200809L
+
 #include "cli.h"
 
 #include <ctype.h>
@@ -6,6 +8,7 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 /* In the order of TRIBO_LAW_... */
 const char *const cli_law_names[CLI_LAWS] = {"algebraic",     "frictionless",   "lecture",
@@ -52,6 +55,22 @@ int cli_law_find(const char *name, uint32_t *law)
     return -1;
 }
 
+/* In the order of TRIBO_SOLVER_... */
+const char *const cli_solver_names[CLI_SOLVERS] = {"auto", "gauss-seidel", "newton"};
+
+int cli_solver_find(const char *name, uint32_t *solver)
+{
+    for (uint32_t i = 0; i < CLI_SOLVERS; i++) {
+        if (strcmp(name, cli_solver_names[i]) == 0) {
+            *solver = i;
+            return 0;
+        }
+    }
+    cli_error(CLI_USAGE, "there is no solver \"%s\"; the solvers are auto gauss-seidel newton",
+              name);
+    return -1;
+}
+
 int cli_number(const char *option, const char *text, double *number)
 {
     char *end = NULL;
@@ -63,6 +82,26 @@ int cli_number(const char *option, const char *text, double *number)
     }
     *number = value;
     return 0;
+}
+
+int cli_positive(const char *option, const char *text, double *number)
+{
+    if (cli_number(option, text, number) != 0)
+        return -1;
+    if (!(*number > 0.0)) {
+        cli_error(CLI_USAGE, "%s: %s is not above 0", option, text);
+        return -1;
+    }
+    return 0;
+}
+
+double cli_now(void *user)
+{
+    struct timespec t;
+
+    (void)user;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
 const char *cli_mode_name(uint32_t mode)

@@ -21,6 +21,7 @@ int cli_toss(int argc, char **argv);
 int cli_collide(int argc, char **argv);
 int cli_solve(int argc, char **argv);
 int cli_demo(int argc, char **argv);
+int cli_scene(int argc, char **argv);
 
 /** Print "tribo: " and the message to standard error; returns `exit_status`. */
 int cli_error(int exit_status, const char *format, ...);
@@ -36,8 +37,21 @@ extern const char *const cli_law_names[CLI_LAWS];
 /** Find the number of the law called `name`; -1 after a message that lists the names. */
 int cli_law_find(const char *name, uint32_t *law);
 
+/** Names of TRIBO_SOLVER_... as users write them. */
+enum { CLI_SOLVERS = 3 };
+extern const char *const cli_solver_names[CLI_SOLVERS];
+
+/** Find the number of the solver called `name`; -1 after a message that lists the names. */
+int cli_solver_find(const char *name, uint32_t *solver);
+
 /** Read the whole of `text` as a finite number; -1 after a message that names `option`. */
 int cli_number(const char *option, const char *text, double *number);
+
+/** The same, and above 0. */
+int cli_positive(const char *option, const char *text, double *number);
+
+/** Seconds from any moment on: a tribo_clock_function. */
+double cli_now(void *user);
 
 /** "open", "stick", "slip" or "jam". */
 const char *cli_mode_name(uint32_t mode);

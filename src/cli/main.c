@@ -13,6 +13,7 @@ static const char USAGE[] =
     "  toss FILE.csv               predict measured tosses of a cube, and say how well\n"
     "  collide FILE [--margin M]   contact manifolds of pairs of shapes\n"
     "  solve FILE... [--tol T]     recorded problems of many contacts, with a certificate\n"
+    "  scene NAME                  scenes in time, held against their exact outcome\n"
     "  demo [--out DIR]            what each impact law keeps, breaks and costs; with pictures\n"
     "\n"
     "  tribo COMMAND --help        about one command\n"
@@ -26,11 +27,9 @@ typedef struct cli_command {
     int (*run)(int argc, char **argv);
 } cli_command;
 
-static const cli_command COMMANDS[] = {{"impact", cli_impact},
-                                       {"toss", cli_toss},
-                                       {"collide", cli_collide},
-                                       {"solve", cli_solve},
-                                       {"demo", cli_demo}};
+static const cli_command COMMANDS[] = {{"impact", cli_impact},   {"toss", cli_toss},
+                                       {"collide", cli_collide}, {"solve", cli_solve},
+                                       {"scene", cli_scene},     {"demo", cli_demo}};
 
 int main(int argc, char **argv)
 {

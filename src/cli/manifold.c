@@ -1,12 +1,11 @@
-#define _POSIX_C_SOURCE 200809L
-
 #include "manifold.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
+
+#include "cli.h"
 
 static const double DEGREE = 0.017453292519943295769; /* in radians */
 
@@ -267,23 +266,15 @@ static tribo_status dress(pair_set *set, int kind)
 
 /* ---- speed and error ------------------------------------------------------------------------- */
 
-static double seconds_now(void)
-{
-    struct timespec now;
-
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 static double run_once(const pair_set *set, uint32_t method)
 {
     tribo_manifold manifold;
     uint32_t count;
-    const double start = seconds_now();
+    const double start = cli_now(NULL);
 
     for (size_t i = 0; i < MANIFOLD_PAIRS; i++)
         find(set->shapes[i], set->poses[i], method, &manifold, &count);
-    return seconds_now() - start;
+    return cli_now(NULL) - start;
 }
 
 /* The least of at least three runs, and of as many as fit into a twentieth of a second. */

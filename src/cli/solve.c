@@ -1,11 +1,8 @@
-#define _POSIX_C_SOURCE 200809L
-
 #include <errno.h>
 #include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 
 #include <tribo/sparse.h>
 
@@ -37,9 +34,8 @@ static const char USAGE[] =
     "  iterations     sweeps and Newton steps\n"
     "  seconds        of the solve, its analysis included, without reading the file\n";
 
-enum { SOLVERS = 3, STOPS = 6 };
+enum { STOPS = 6 };
 
-static const char *const SOLVER_NAMES[SOLVERS] = {"auto", "gauss-seidel", "newton"};
 static const char *const STOP_NAMES[STOPS] = {"tolerance", "iterations", "time",
                                               "cancel",    "stall",      "jam"};
 
@@ -52,15 +48,6 @@ typedef struct settings {
 } settings;
 
 /* ---- one file -------------------------------------------------------------------------------- */
-
-static double now(void *user)
-{
-    struct timespec t;
-
-    (void)user;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static const char *base_name(const char *file)
 {
@@ -101,7 +88,7 @@ static tribo_status solve(const settings *s, const problem *given, double *r,
     options.tolerance = s->tolerance;
     options.max_seconds = s->max_seconds;
     options.linear = &s->linear;
-    options.clock = now;
+    options.clock = cli_now;
     tribo_status status = tribo_system_assembled_workspace_size(given->count, given->row_starts,
                                                                 given->columns, &options, &size);
     if (status != TRIBO_OK)
@@ -125,16 +112,16 @@ static int solve_file(const settings *s, const char *file)
     if (exit_status != 0)
         return exit_status;
     double *r = malloc(3 * given.count * sizeof *r);
-    const double start = now(NULL);
+    const double start = cli_now(NULL);
     const tribo_status status = r == NULL ? TRIBO_ERROR_MEMORY : solve(s, &given, r, &info);
-    const double seconds = now(NULL) - start;
+    const double seconds = cli_now(NULL) - start;
     if (status == TRIBO_OK)
         printf("%s\t%zu\t%s\t%s\t%.6e\t%.6e\t%.6e\t%llu\t%.6e\n", file, given.count,
-               SOLVER_NAMES[info.solver], STOP_NAMES[info.stop], info.eta, info.invariant,
+               cli_solver_names[info.solver], STOP_NAMES[info.stop], info.eta, info.invariant,
                info.siconos, (unsigned long long)(info.sweeps + info.steps), seconds);
     else
         printf("%s\t%zu\t%s\t%s\tnan\tnan\tnan\t0\t%.6e\n", file, given.count,
-               SOLVER_NAMES[s->solver], tribo_status_name(status), seconds);
+               cli_solver_names[s->solver], tribo_status_name(status), seconds);
     fflush(stdout);
     if (status != TRIBO_OK)
         exit_status = cli_error(CLI_BAD_INPUT, "%s: %s: %s", file, tribo_status_name(status),
@@ -172,41 +159,16 @@ static int run(settings *s, int count, char **files)
     return exit_status;
 }
 
-static int find_solver(const char *name, uint32_t *solver)
-{
-    for (uint32_t i = 0; i < SOLVERS; i++) {
-        if (strcmp(name, SOLVER_NAMES[i]) == 0) {
-            *solver = i;
-            return 0;
-        }
-    }
-    cli_error(CLI_USAGE, "there is no solver \"%s\"; the solvers are auto gauss-seidel newton",
-              name);
-    return -1;
-}
-
-/* A number above 0. */
-static int find_positive(const char *option, const char *text, double *number)
-{
-    if (cli_number(option, text, number) != 0)
-        return -1;
-    if (!(*number > 0.0)) {
-        cli_error(CLI_USAGE, "%s: %s is not above 0", option, text);
-        return -1;
-    }
-    return 0;
-}
-
 /* -1 after a message; 1 if help was asked for. */
 static int take_option(int option, settings *s)
 {
     switch (option) {
     case 't':
-        return find_positive("--tol", optarg, &s->tolerance);
+        return cli_positive("--tol", optarg, &s->tolerance);
     case 's':
-        return find_solver(optarg, &s->solver);
+        return cli_solver_find(optarg, &s->solver);
     case 'm':
-        return find_positive("--max-time", optarg, &s->max_seconds);
+        return cli_positive("--max-time", optarg, &s->max_seconds);
     case 'i':
         s->folder = optarg;
         return 0;

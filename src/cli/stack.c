@@ -8,7 +8,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include <tribo/sparse.h>
 
@@ -163,15 +162,6 @@ typedef struct stack_task {
     double *impulses;
 } stack_task;
 
-static double now(void *user)
-{
-    struct timespec t;
-
-    (void)user;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 static tribo_status workspace_size(const stack_task *task, const tribo_system_options *options,
                                    size_t *size)
 {
@@ -226,7 +216,7 @@ static tribo_status solve_afresh(const stack_task *task, const tribo_system_opti
     tribo_status status = tribo_sparse_create(TRIBO_SPARSE_AUTO, NULL, &sparse);
 
     options.linear = &linear;
-    options.clock = now;
+    options.clock = cli_now;
     if (status == TRIBO_OK)
         status = tribo_sparse_linear(sparse, &linear);
     if (status == TRIBO_OK)

@@ -1,10 +1,9 @@
-#define _POSIX_C_SOURCE 200809L
-
 #include "survey.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <time.h>
+
+#include "cli.h"
 
 /* Beyond this an impulse is outside of the cone, energy gained, restitution broken; without unit.
  */
@@ -76,23 +75,15 @@ tribo_status survey_make(survey_contacts *contacts)
 
 /* ---- speed ----------------------------------------------------------------------------------- */
 
-static double seconds_now(void)
-{
-    struct timespec now;
-
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 /* Seconds for all contacts, once. */
 static double run_once(const survey_contacts *contacts, const tribo_impact_options *options)
 {
     double p[3];
-    const double start = seconds_now();
+    const double start = cli_now(NULL);
 
     for (size_t i = 0; i < SURVEY_CONTACTS; i++)
         tribo_impact(contacts->w[i], contacts->u[i], &contacts->pairs[i], options, p, NULL);
-    return seconds_now() - start;
+    return cli_now(NULL) - start;
 }
 
 /* The least of at least three runs, and of as many as fit into a twentieth of a second. */
