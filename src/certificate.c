@@ -323,6 +323,12 @@ static double squared_map(const system_problem *problem, double sigma, const dou
     return sum;
 }
 
+/* The greater; what is not a number is worse than all. */
+static double worse(double a, double b)
+{
+    return b <= a ? a : b < HUGE_VAL ? b : HUGE_VAL;
+}
+
 /* Greatest eta over its tolerance, and greatest eta V. */
 static verdict judge_by_eta(const system_problem *problem, const goal *wanted, const double *r,
                             const double *u, double *scratch)
@@ -333,11 +339,8 @@ static verdict judge_by_eta(const system_problem *problem, const goal *wanted, c
     for (size_t c = 0; c < problem->count; c++) {
         const double v = velocity_scale(problem, c, r, scratch);
         const double eta = measure_contact(problem, c, v, r + 3 * c, u + 3 * c, &fit).eta;
-        if (!(eta <= out.distance))
-            out.distance = eta;
-        const double residual = (eta + NOISE) * v;
-        if (!(residual <= out.residual))
-            out.residual = residual;
+        out.distance = worse(out.distance, eta);
+        out.residual = worse(out.residual, (eta + NOISE) * v);
     }
     out.distance /= wanted->tolerance;
     if (out.distance > 0.0)
@@ -354,7 +357,7 @@ verdict certificate_judge(const system_problem *problem, const goal *wanted, con
         sizes_of_bodies(problem, r, scratch);
     if (wanted->measure == TRIBO_MEASURE_ETA)
         return judge_by_eta(problem, wanted, r, u, scratch);
-    out.residual = sqrt(squared_map(problem, wanted->sigma, r, u, scratch));
+    out.residual = worse(0.0, sqrt(squared_map(problem, wanted->sigma, r, u, scratch)));
     out.distance = out.residual == 0.0 ? 0.0 : out.residual / wanted->limit;
     return out;
 }

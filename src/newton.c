@@ -1074,12 +1074,15 @@ static void advance(newton *n, newton_run *run)
     if (run->halted != 0 || run->status != TRIBO_OK)
         return;
     const double now = judge(n);
-    adapt(n, solved && now < 10.0 * n->outer, steps);
+    const int good = now < 10.0 * n->outer && n->distance < HUGE_VAL;
+    adapt(n, solved && good, steps);
     if (steps == 0) {
-        /* Nothing to do but what bringing r into the cone undoes: go on from there. */
+        /* Nothing to do but what bringing r into the cone undoes: go on from there. It counts as a
+         * step, so that steps end. */
+        run->steps++;
         n->outer = now;
         move(n);
-    } else if (now < 10.0 * n->outer) {
+    } else if (good) {
         n->outer = solved ? now : lesser(n->outer, now);
     } else {
         copy(3 * (size_t)n->problem->count, n->center, n->r);
