@@ -301,7 +301,7 @@ static int is_identity(const tribo_pose *pose)
            q[3] == 0.0;
 }
 
-/* Radius about the centre of mass. */
+/* Radius about the centre of mass; infinite where the shape has no end. */
 static tribo_status measure(scene_slot *slot)
 {
     double low[3];
@@ -314,7 +314,8 @@ static tribo_status measure(scene_slot *slot)
     for (int i = 0; i < 3; i++) {
         far[i] = greater(absolute(low[i]), absolute(high[i]));
     }
-    slot->radius = tribo_vec3_norm(far);
+    const double sum = far[0] + far[1] + far[2];
+    slot->radius = sum - sum == 0.0 ? tribo_vec3_norm(far) : sum;
     return status;
 }
 

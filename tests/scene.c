@@ -563,6 +563,31 @@ static void test_fast_ball_does_not_pass(void **state)
     settle("a ball before a wall");
 }
 
+/* It does not matter whether the floor or what falls on it comes first. */
+static void test_floor_may_come_last(void **state)
+{
+    tribo_body ends[2];
+    (void)state;
+    for (int last = 0; last < 2; last++) {
+        tribo_scene *scene = make_scene(0.0, -G, 0);
+        tribo_scene_body box = box_of(1.0, 0.2, 0.3, 0.4, 0.5, 0.3);
+        box.state.angular_velocity[0] = 2.0;
+        if (last == 0) {
+            add_floor(scene, 0.5, 0.3);
+        }
+        const uint32_t id = add_at(scene, &box, 0.0, 0.0, 0.6);
+        if (last == 1) {
+            add_floor(scene, 0.5, 0.3);
+        }
+        run(scene, 0.01, 200, NULL);
+        ends[last] = state_of(scene, id);
+        tribo_scene_destroy(scene);
+    }
+    within(distance(ends[0].position, ends[1].position, 3), 1e-9);
+    within(fabs(ends[1].position[2] - 0.4), 1e-9);
+    settle("box on a floor that was added last");
+}
+
 /* Overlaps go away, and nothing gets faster by it. */
 static void test_overlap_goes_without_speed(void **state)
 {
@@ -1017,6 +1042,7 @@ int main(void)
         TEST(test_encounters_conserve),
         TEST(test_elastic_heap_keeps_energy),
         TEST(test_fast_ball_does_not_pass),
+        TEST(test_floor_may_come_last),
         TEST(test_overlap_goes_without_speed),
         TEST(test_stages_that_are_not_needed),
         TEST(test_warm_start),
