@@ -13,7 +13,9 @@
 #                        taken from TRIBO_DATA
 #   make fuzz            TIME=60 seconds for each fuzz target; ENGINE=libfuzzer or afl
 #   make deps            install the Debian packages that demo and check need (both do so anyway)
-#   make abi golden      write the goldens of tests/abi and tests/golden anew
+#   make check-bindings  build and test the bindings whose toolchains are there; part of check
+#   make bench-bindings  what a call costs in each language
+#   make abi golden      write the goldens of tests/abi, tests/golden and bindings anew
 #   make docs format format-check clean
 #
 # Variables: PREFIX DESTDIR BUILD CC CFLAGS CPPFLAGS LDFLAGS, WERROR=1 (warnings are errors), V=1
@@ -47,9 +49,9 @@ INSTALL_DATA ?= $(INSTALL) -m 644
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .SUFFIXES:
-.PHONY: all lib core install uninstall demo check run-check check-sanitize run-properties test-programs \
-        fuzz fuzz-targets bench bench-programs peers deps abi golden docs format format-check \
-        clean help FORCE
+.PHONY: all lib core install uninstall demo check run-check check-sanitize check-bindings \
+        run-properties test-programs fuzz fuzz-targets bench bench-bindings bench-programs peers deps abi \
+        golden docs format format-check clean help FORCE
 ifneq ($(V),1)
 .SILENT:
 endif
@@ -88,6 +90,7 @@ $(error include/tribo/base.h does not state the version)
 endif
 
 HEADERS := $(wildcard include/tribo/*.h)
+CPP_HEADER := bindings/cpp/include/tribo/tribo.hpp
 # What libtribo adds to libtribo_core: shapes and their contacts, sparse factorisations.
 FULL := broad clip closed collide convex hull mesh scene scene_contact scene_event scene_rest scene_save \
         scene_solve scene_step shape sparse
@@ -202,7 +205,8 @@ REPLAYS := $(ROOMS:%=$(BUILD)/fuzz/%-replay)
 ENGINES := $(ROOMS:%=$(BUILD)/fuzz/%)
 FULL_TARGETS := $(foreach suffix,% %-random %-replay,$(FULL_ROOMS:%=$(BUILD)/fuzz/$(suffix)))
 APP_OBJECTS := $(sort $(CLI_OBJECTS) $(SUPPORT_OBJECTS) $(FUZZ_OBJECTS) $(FULL_SUPPORT) \
-    $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard tests/*.c tests/bench/*.c fuzz/*.c fuzz/driver/*.c)))
+    $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard tests/*.c tests/bench/*.c fuzz/*.c fuzz/driver/*.c)) \
+    $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard bindings/*.c)))
 
 $(APP_OBJECTS): $(BUILD)/obj/%.o: %.c $(BUILD)/flags
 	@mkdir -p $(@D)
@@ -224,6 +228,11 @@ $(BUILD)/obj/src/cli/fclib.o $(BUILD)/obj/fuzz/problem.o: FILE_FLAGS = $(HDF5_FL
 
 $(TESTS): $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(SUPPORT_OBJECTS) $(FULL_STATIC) $(STATIC)
 	$(link) -lcmocka $(FULL_LIBS) -lm
+
+VECTORS := $(BUILD)/bindings/vectors
+COST := $(BUILD)/bindings/cost
+$(VECTORS) $(COST): $(BUILD)/bindings/%: $(BUILD)/obj/bindings/%.o $(FULL_STATIC) $(STATIC)
+	$(link) $(FULL_LIBS) -lm
 
 $(BENCHES): $(BUILD)/bench/%: $(BUILD)/obj/tests/bench/%.o $(SUPPORT_OBJECTS) $(FULL_STATIC) $(STATIC)
 	$(link) $(BENCH_LIBS) $(FULL_LIBS) -ldl -lm
@@ -273,7 +282,7 @@ $(BUILD)/bench/siconos: BENCH_LIBS = $(HDF5_LIBS) $(if $(SICONOS),-lsiconos_nume
 install: all
 	$(INSTALL) -d '$(DESTDIR)$(bindir)' '$(DESTDIR)$(pkgconfigdir)' '$(DESTDIR)$(includedir)/tribo'
 	$(INSTALL_PROGRAM) $(BUILD)/tribo '$(DESTDIR)$(bindir)'
-	$(INSTALL_DATA) $(HEADERS) '$(DESTDIR)$(includedir)/tribo'
+	$(INSTALL_DATA) $(HEADERS) $(CPP_HEADER) '$(DESTDIR)$(includedir)/tribo'
 	$(INSTALL_DATA) $(STATIC) $(SHARED) $(FULL_STATIC) $(FULL_SHARED) '$(DESTDIR)$(libdir)'
 	ln -sf $(notdir $(SHARED)) '$(DESTDIR)$(libdir)/$(SONAME)'
 	ln -sf $(notdir $(SHARED)) '$(DESTDIR)$(libdir)/libtribo_core.so'
@@ -286,7 +295,8 @@ uninstall:
 	cd '$(DESTDIR)$(pkgconfigdir)' && rm -f $(notdir $(PC) $(FULL_PC))
 	cd '$(DESTDIR)$(libdir)' && rm -f $(notdir $(STATIC) $(SHARED) $(LINKS)) \
 	    $(notdir $(FULL_STATIC) $(FULL_SHARED) $(FULL_LINKS))
-	cd '$(DESTDIR)$(includedir)' && rm -f $(HEADERS:include/%=%) && rmdir tribo
+	cd '$(DESTDIR)$(includedir)' && rm -f $(HEADERS:include/%=%) tribo/$(notdir $(CPP_HEADER)) && \
+	    rmdir tribo
 
 # ---- demonstration, tests, benches ---------------------------------------------------------------
 
@@ -304,7 +314,10 @@ TEST_ENV = CMOCKA_MESSAGE_OUTPUT=TAP BUILD='$(abspath $(BUILD))' SRCDIR='$(CURDI
 PROPERTIES = $(abspath $(TESTS) $(RANDOMS)) \
              $(foreach room,$(ROOMS),'$(abspath $(BUILD)/fuzz/$(room)-replay) fuzz/corpus/$(room)')
 
-test-programs: lib $(TESTS) $(RANDOMS) $(REPLAYS)
+# Each binding has a program `check`: TAP, one line "1..0 # SKIP why" without its toolchain.
+BINDINGS := $(wildcard bindings/*/check)
+
+test-programs: lib $(TESTS) $(RANDOMS) $(REPLAYS) $(VECTORS)
 
 check:
 	.ci/deps check
@@ -312,7 +325,12 @@ check:
 	$(MAKE) --no-print-directory run-check
 
 run-check:
-	$(TEST_ENV) tests/run -j $(JOBS) $(wildcard tests/*.sh) $(PROPERTIES)
+	$(TEST_ENV) tests/run -j $(JOBS) $(wildcard tests/*.sh) $(BINDINGS) $(PROPERTIES)
+
+check-bindings:
+	.ci/deps check bindings
+	$(MAKE) --no-print-directory all $(VECTORS)
+	$(TEST_ENV) tests/run -j 1 -t 1800 tests/bindings.sh $(BINDINGS)
 
 run-properties:
 	$(TEST_ENV) tests/run -j $(JOBS) $(EXTRA) $(PROPERTIES)
@@ -348,6 +366,11 @@ bench:
 	.ci/deps bench
 	$(MAKE) --no-print-directory bench-programs peers
 	set -e; for bench in $(BENCHES); do $$bench; done
+
+bench-bindings:
+	.ci/deps check bindings
+	$(MAKE) --no-print-directory all $(COST)
+	$(TEST_ENV) bindings/bench
 
 # ---- fuzzing -------------------------------------------------------------------------------------
 
@@ -389,8 +412,9 @@ fuzz-afl: # without sanitizers: Debian's afl++ has none of its own, and libFuzze
 abi: lib
 	$(TEST_ENV) tests/abi.sh --update
 
-golden:
+golden: $(VECTORS)
 	$(TEST_ENV) tests/golden.sh --update
+	$(TEST_ENV) tests/bindings.sh --update
 
 docs:
 	.ci/deps docs
@@ -399,7 +423,8 @@ docs:
 	    doxygen -
 
 CLANG_FORMAT ?= clang-format-16
-C_FILES = $(shell find include src fuzz tests -name '*.[ch]')
+C_FILES = $(shell find include src fuzz tests bindings -name '*.[ch]' -not -path '*/vendor/*' \
+            -not -path '*/node_modules/*')
 
 format:
 	.ci/deps format
