@@ -224,7 +224,7 @@ help_of() # ARGUMENT...: shows usage on standard output and names what follows t
     expect 0 '' "$@" && head -n 1 "$work/out" | grep -q '^usage: tribo'
 }
 check "tribo --help" help_of --help
-for command in impact toss collide solve demo; do
+for command in impact toss collide solve scene demo; do
     check "tribo $command --help" help_of $command --help
 done
 options_in_help() # each option that a command takes stands in its help
@@ -237,6 +237,9 @@ options_in_help() # each option that a command takes stands in its help
     "$tribo" collide --help | grep -q -- '--margin M' || return 1
     for option in 'tol T' 'solver NAME' 'max-time S' 'impulses DIR'; do
         "$tribo" solve --help | grep -q -- "--$option" || { echo "--$option"; return 1; }
+    done
+    for option in 'dt S' 'substeps N' 'solver S' 'tol T' 'seconds S' 'csv OUT'; do
+        "$tribo" scene --help | grep -q -- "--$option" || { echo "--$option"; return 1; }
     done
     for shape in sphere box capsule cylinder cone ellipsoid hull halfspace; do
         "$tribo" collide --help | grep -qw -- "$shape" || { echo "$shape"; return 1; }
@@ -1037,6 +1040,59 @@ cut_hdf5() # cut off anywhere, it is a message and never a crash
     done
 }
 check "HDF5: cut off" cut_hdf5
+
+# ---- scenes --------------------------------------------------------------------------------------
+
+scene_answer() # NAME OPTION...: the last line has the form that help tells of
+{
+    local n='(-|[-+0-9.e]+|inf|nan)'
+    expect 0 '' scene "$@" || return 1
+    tail -n 1 "$work/out"
+    tail -n 1 "$work/out" |
+        grep -qxE "scene $1 metric $n exact $n error $n us_per_step [0-9.e+-]+"
+}
+check "scene b1-incline" scene_answer b1-incline
+check "scene: options" scene_answer b1-incline --dt 0.02 --substeps 2 --solver newton --tol 1e-9 \
+    --seconds 0.5
+scene_steps() # halving the step halves the error
+{
+    scene_answer b1-incline --dt 0.002 >"$work/one" && scene_answer b1-incline --dt 0.001 \
+        >"$work/two" || return 1
+    cat "$work/one" "$work/two"
+    awk '{ e[NR] = $8 } END { exit !(e[1] / e[2] > 1.9 && e[1] / e[2] < 2.1) }' \
+        "$work/one" "$work/two"
+}
+check "scene: a smaller step" scene_steps
+scene_list()
+{
+    expect 0 '' scene list || return 1
+    for name in a6-cradle b1-incline b2-roll; do
+        grep -qx "  $name" "$work/out" || { echo "$name"; return 1; }
+    done
+}
+check "scene list" scene_list
+scene_csv()
+{
+    scene_answer b2-roll --csv "$work/roll.csv" && awk -F, '
+        NR == 1 { bad += $0 != "time,body,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz" }
+        NF != 15 { bad++ }
+        { v = $10 }
+        END { exit bad > 0 || NR != 202 || v < 4.999999 || v > 5.000001 }' "$work/roll.csv"
+}
+check "scene: motion as CSV" scene_csv
+check "scene: a CSV that cannot be" expect 1 "tribo: $work/a/b.csv: No such file or directory" \
+    scene b2-roll --csv "$work/a/b.csv"
+if [ -c /dev/full ]; then
+    check "scene: a CSV that cannot be written" expect 1 'tribo: /dev/full: No space left' \
+        scene b2-roll --csv /dev/full
+fi
+check "scene: no name" expect 2 \
+    'tribo: scene: the name of one scene is needed; see tribo scene --help' scene
+check "scene: unknown" expect 2 'tribo: there is no scene "b1"; see tribo scene list' scene b1
+check "scene: unknown solver" expect 2 'tribo: there is no solver "magic"' scene b2-roll --solver magic
+check "scene: half a sub-step" expect 2 \
+    'tribo: --substeps: "0.5" is not a whole number from 1 to 1048576' scene b2-roll --substeps 0.5
+check "scene: no step" expect 2 'tribo: --dt: 0 is not above 0' scene b2-roll --dt 0
 
 # ---- measured data ------------------------------------------------------------------------------
 
