@@ -5,8 +5,7 @@
 
 #include "cli.h"
 
-/* Keep the first status that is not TRIBO_OK; whether all is well. */
-static int is_well(world *w, tribo_status status)
+int world_check(world *w, tribo_status status)
 {
     if (w->status == TRIBO_OK)
         w->status = status;
@@ -24,7 +23,7 @@ void world_begin_mixed(world *w, double gx, double gy, double gz, uint32_t frict
 
     world_end(w);
     if (w->status == TRIBO_OK)
-        is_well(w, tribo_scene_create(&settings, NULL, &w->scene));
+        world_check(w, tribo_scene_create(&settings, NULL, &w->scene));
 }
 
 void world_begin(world *w, double gx, double gy, double gz)
@@ -98,7 +97,7 @@ uint32_t world_add(world *w, const tribo_scene_body *body)
     uint32_t id = 0;
 
     if (w->status == TRIBO_OK)
-        is_well(w, tribo_scene_add(w->scene, body, &id));
+        world_check(w, tribo_scene_add(w->scene, body, &id));
     return id;
 }
 
@@ -131,7 +130,7 @@ tribo_body world_state(world *w, uint32_t id)
 
     tribo_body_init(&state);
     if (w->status == TRIBO_OK)
-        is_well(w, tribo_scene_get_body(w->scene, id, &state, NULL));
+        world_check(w, tribo_scene_get_body(w->scene, id, &state, NULL));
     return state;
 }
 
@@ -142,7 +141,7 @@ double world_energy(world *w)
     double potential = 0.0;
 
     if (w->status == TRIBO_OK)
-        is_well(w, tribo_scene_totals(w->scene, origin, &totals, &potential));
+        world_check(w, tribo_scene_totals(w->scene, origin, &totals, &potential));
     return totals.energy + potential;
 }
 
@@ -189,7 +188,7 @@ void world_step(world *w)
     const double tick = world_tick();
     const tribo_status status = tribo_scene_step(w->scene, w->dt, &w->options, &info);
     world_tock(w, tick);
-    if (!is_well(w, status))
+    if (!world_check(w, status))
         return;
     w->time += w->dt;
     keep_info(w, &info);

@@ -59,6 +59,9 @@ tribo_scene_body world_box(double mass, double hx, double hy, double hz, double 
 /** A body of mass, principal moments and friction that has no shape yet. */
 tribo_scene_body world_body(double mass, double ixx, double iyy, double izz, double mu, double e);
 
+/** Keep the first status that is not TRIBO_OK; 1 if all is well so far. */
+int world_check(world *w, tribo_status status);
+
 /** Add a body where it is, or at a place; returns its id. */
 uint32_t world_add(world *w, const tribo_scene_body *body);
 uint32_t world_add_at(world *w, const tribo_scene_body *body, double x, double y, double z);
