@@ -227,7 +227,7 @@ HDF5_LIBS ?= $(if $(HDF5_SERIAL),-lhdf5_serial,-lhdf5)
 $(BUILD)/obj/src/cli/fclib.o $(BUILD)/obj/fuzz/problem.o: FILE_FLAGS = $(HDF5_FLAGS)
 
 $(TESTS): $(BUILD)/tests/%: $(BUILD)/obj/tests/%.o $(SUPPORT_OBJECTS) $(FULL_STATIC) $(STATIC)
-	$(link) -lcmocka $(FULL_LIBS) -lm
+	$(link) -lcmocka $(TEST_LIBS) $(FULL_LIBS) -lm
 
 VECTORS := $(BUILD)/bindings/vectors
 COST := $(BUILD)/bindings/cost
@@ -275,7 +275,28 @@ $(BUILD)/obj/tests/bench/siconos.o: FILE_FLAGS = $(if $(SICONOS),\
 $(BUILD)/bench/siconos: $(PROBLEM)
 $(BUILD)/bench/siconos: BENCH_LIBS = $(HDF5_LIBS) $(if $(SICONOS),-lsiconos_numerics)
 
--include $(patsubst %.o,%.d,$(LIB_OBJECTS) $(FULL_OBJECTS) $(LANES_OBJECTS) $(APP_OBJECTS))
+# So are ODE and Box2D, which tests compare scenes with: without them, these are skipped. Box2D is
+# in C++.
+ODE := $(wildcard /usr/include/ode/ode.h)
+$(BUILD)/obj/tests/ode.o: FILE_FLAGS = $(if $(ODE),-DTRIBO_HAVE_ODE)
+$(BUILD)/tests/ode: TEST_LIBS = $(if $(ODE),-lode)
+CXX ?= g++
+BOX2D := $(if $(wildcard /usr/include/box2d/box2d.h),$(shell command -v $(CXX) 2>/dev/null))
+BOX2D_OBJECT := $(BUILD)/obj/tests/oracle/box2d.o
+$(BUILD)/obj/tests/box2d.o: FILE_FLAGS = -Itests $(if $(BOX2D),-DTRIBO_HAVE_BOX2D)
+ifneq ($(BOX2D),)
+$(BUILD)/tests/box2d: $(BOX2D_OBJECT)
+$(BUILD)/tests/box2d: TEST_LIBS = -lbox2d -lstdc++
+endif
+
+$(BOX2D_OBJECT): tests/oracle/box2d.cc $(BUILD)/flags
+	@mkdir -p $(@D)
+	@echo "  CXX     $<"
+	$(CXX) $(CPPFLAGS) $(CFLAGS) -std=c++11 -Wall -Wextra -Wshadow -Wconversion \
+	    $(if $(filter 1,$(WERROR)),-Werror) $(DEPEND) -c -o $@ $<
+
+-include $(patsubst %.o,%.d,$(LIB_OBJECTS) $(FULL_OBJECTS) $(LANES_OBJECTS) $(APP_OBJECTS) \
+    $(BOX2D_OBJECT))
 
 # ---- install -------------------------------------------------------------------------------------
 
