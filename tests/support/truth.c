@@ -60,6 +60,15 @@ static void to_local(const truth_body *body, const double *v, double *out)
 /* ---- polytopes
  * ---------------------------------------------------------------------------------- */
 
+static void add_vertex(truth_polytope *p, const double *vertex)
+{
+    for (int c = 0; c < 3; c++) {
+        p->vertex[p->vertices][c] = vertex[c];
+        p->across[c][p->vertices] = vertex[c];
+    }
+    p->vertices++;
+}
+
 static int find_edge(const truth_polytope *p, int a, int b)
 {
     for (int k = 0; k < p->edges; k++) {
@@ -150,8 +159,9 @@ int truth_wrap(int count, const double *points, truth_polytope *out)
     int b;
     double normal[3] = {0.0, 0.0, 0.0};
     memset(out, 0, sizeof *out);
-    out->vertices = count;
-    memcpy(out->vertex, points, (size_t)count * sizeof out->vertex[0]);
+    for (int i = 0; i < count; i++) {
+        add_vertex(out, points + 3 * i);
+    }
     first_edge(out, &a, &b);
     const int c = third(out, a, b, normal);
     if (a == b || c < 0) {
@@ -175,11 +185,11 @@ int truth_wrap(int count, const double *points, truth_polytope *out)
 
 static void box_core(const double *half, truth_polytope *out)
 {
-    out->vertices = 8;
     for (int i = 0; i < 8; i++) {
-        for (int c = 0; c < 3; c++) {
-            out->vertex[i][c] = (i >> c) % 2 != 0 ? half[c] : -half[c];
-        }
+        const double corner[3] = {i % 2 != 0 ? half[0] : -half[0],
+                                  (i >> 1) % 2 != 0 ? half[1] : -half[1],
+                                  (i >> 2) % 2 != 0 ? half[2] : -half[2]};
+        add_vertex(out, corner);
     }
     for (int f = 0; f < 6; f++) {
         const int axis = f / 2;
@@ -202,12 +212,12 @@ void truth_core(uint32_t type, const double *size, truth_polytope *out)
         box_core(size, out);
         return;
     }
-    out->vertices = 1;
+    const double half = type == TRIBO_SHAPE_CAPSULE ? size[1] : 0.0;
+    const double ends[2][3] = {{0.0, 0.0, -half}, {0.0, 0.0, half}};
+    add_vertex(out, ends[0]);
     if (type == TRIBO_SHAPE_CAPSULE) {
-        out->vertices = 2;
+        add_vertex(out, ends[1]);
         out->edges = 1;
-        out->vertex[0][2] = -size[1];
-        out->vertex[1][2] = size[1];
         out->edge[0][1] = 1;
         out->edge[0][2] = out->edge[0][3] = -1;
     }
@@ -216,12 +226,31 @@ void truth_core(uint32_t type, const double *size, truth_polytope *out)
 /* ---- width
  * -------------------------------------------------------------------------------------- */
 
+/* Most of the time of all truths is spent here, in loops that compilers take two by two. */
+static double reach_of_core(const truth_polytope *core, const double *n)
+{
+    double along[TRUTH_VERTICES];
+    int count = core->vertices;
+    for (int i = 0; i < count; i++) {
+        along[i] =
+            n[0] * core->across[0][i] + n[1] * core->across[1][i] + n[2] * core->across[2][i];
+    }
+    while (count > 1) {
+        const int half = (count + 1) / 2;
+        const double *other = along + half;
+        for (int i = 0; i < count - half; i++) {
+            along[i] = other[i] > along[i] ? other[i] : along[i];
+        }
+        count = half;
+    }
+    return along[0];
+}
+
 /* Largest n . x of a body about its position, n in its own axes. */
 static double reach_local(const truth_body *body, const double *n)
 {
     const double *s = body->size;
     const double flat = sqrt(n[0] * n[0] + n[1] * n[1]);
-    double most = -HUGE_VAL;
     switch (body->type) {
     case TRIBO_SHAPE_CYLINDER:
         return s[0] * flat + s[1] * fabs(n[2]);
@@ -231,11 +260,7 @@ static double reach_local(const truth_body *body, const double *n)
         return sqrt(s[0] * s[0] * n[0] * n[0] + s[1] * s[1] * n[1] * n[1] +
                     s[2] * s[2] * n[2] * n[2]);
     default:
-        for (int i = 0; i < body->core->vertices; i++) {
-            const double along = dot(n, body->core->vertex[i]);
-            most = along > most ? along : most; /* fmax is a call, and this is the inner loop */
-        }
-        return most + body->radius * sqrt(dot(n, n));
+        return reach_of_core(body->core, n) + body->radius * sqrt(dot(n, n));
     }
 }
 
@@ -269,24 +294,48 @@ static void least(const truth_body *a, const truth_body *b, const double *n, dou
 /* ---- separating axes
  * ---------------------------------------------------------------------------- */
 
-static void try_faces(const truth_body *a, const truth_body *b, const truth_body *owner,
-                      double sign, double *width, double *normal)
+/* Whether some vertex of a body lies farther along n, world axes, than `limit` from its position. */
+static int is_beyond(const truth_body *body, const double *n, double limit)
 {
-    for (int f = 0; f < owner->core->faces; f++) {
-        double n[3];
-        to_world(owner, owner->core->normal[f], n);
-        for (int i = 0; i < 3; i++) {
-            n[i] *= sign;
+    double local[3];
+    to_local(body, n, local);
+    for (int i = 0; body->core != NULL && i < body->core->vertices; i++) {
+        if (dot(local, body->core->vertex[i]) > limit) {
+            return 1;
         }
-        least(a, b, n, width, normal);
+    }
+    return 0;
+}
+
+/* The faces of A (side 0) or B. Most of them are told by one vertex of the other body that lies too
+ * far behind. */
+static void try_faces(const truth_body *a, const truth_body *b, int side, double *width,
+                      double *normal)
+{
+    const truth_body *owner = side == 0 ? a : b;
+    const truth_body *other = side == 0 ? b : a;
+    double between[3];
+    minus(other->position, owner->position, between);
+    for (int f = 0; f < owner->core->faces; f++) {
+        const double own =
+            dot(owner->core->normal[f], owner->core->vertex[owner->core->corner[f][0]]);
+        double out[3];
+        to_world(owner, owner->core->normal[f], out);
+        const double back[3] = {-out[0], -out[1], -out[2]};
+        const double room = 1e-9 * fabs(own); /* more than rounding */
+        if (!is_beyond(other, back, *width + dot(between, out) - own + room)) {
+            least(a, b, side == 0 ? back : out, width, normal);
+        }
     }
 }
 
 typedef struct world_edge {
-    double from[3];
     double along[3];
-    double arc[2][3]; /* normals of both faces, towards the other body */
-    int bare;         /* a segment: its arc is the whole circle */
+    double square;    /* of its length */
+    double middle[3]; /* half-way between the normals of both faces, towards the other body */
+    double cosine;    /* of the angle between it and either of them */
+    double sine;
+    int bare; /* a segment: its arc is the whole circle */
 } world_edge;
 
 static int world_edges(const truth_body *body, double sign, world_edge *out)
@@ -295,30 +344,44 @@ static int world_edges(const truth_body *body, double sign, world_edge *out)
     for (int k = 0; k < core->edges; k++) {
         const int *edge = core->edge[k];
         world_edge *w = &out[k];
+        double from[3];
         double to[3];
-        to_world(body, core->vertex[edge[0]], w->from);
+        double arc[2][3];
+        to_world(body, core->vertex[edge[0]], from);
         to_world(body, core->vertex[edge[1]], to);
-        minus(to, w->from, w->along);
+        minus(to, from, w->along);
+        w->square = dot(w->along, w->along);
         w->bare = edge[2] < 0;
-        for (int f = 0; f < 2 && !w->bare; f++) {
-            to_world(body, core->normal[edge[2 + f]], w->arc[f]);
+        memset(w->middle, 0, sizeof w->middle);
+        w->cosine = 0.0;
+        w->sine = 1.0;
+        if (!w->bare) {
+            to_world(body, core->normal[edge[2]], arc[0]);
+            to_world(body, core->normal[edge[3]], arc[1]);
             for (int i = 0; i < 3; i++) {
-                w->arc[f][i] *= sign;
+                w->middle[i] = sign * (arc[0][i] + arc[1][i]);
             }
+            normalize(w->middle);
+            w->cosine = fmin(sign * dot(w->middle, arc[0]), 1.0);
+            w->sine = sqrt(1.0 - w->cosine * w->cosine);
         }
     }
     return core->edges;
 }
 
-/* Whether the normal n lies on the arc of an edge, with room for rounding. */
+/* Whether the unit vector n, which lies in the plane of the arc of an edge, lies on the arc, with
+ * room for rounding. */
 static int on_arc(const world_edge *e, const double *n)
 {
-    double middle[3];
-    for (int i = 0; i < 3; i++) {
-        middle[i] = e->arc[0][i] + e->arc[1][i];
-    }
-    const double half = dot(middle, e->arc[0]);
-    return e->bare || dot(middle, n) >= half - 1e-9;
+    return e->bare || dot(e->middle, n) >= e->cosine - 1e-9;
+}
+
+/* Whether two arcs come near enough to each other to cross: their middles are no farther apart than
+ * both halves. */
+static int may_cross(const world_edge *e, const world_edge *f)
+{
+    const double both = e->cosine * f->cosine - e->sine * f->sine;
+    return e->bare || f->bare || dot(e->middle, f->middle) >= both - 1e-6;
 }
 
 static void try_edges(const truth_body *a, const truth_body *b, double *width, double *normal)
@@ -332,12 +395,15 @@ static void try_edges(const truth_body *a, const truth_body *b, double *width, d
     for (int i = 0; i < na; i++) {
         for (int j = 0; j < nb; j++) {
             double n[3];
-            cross(ea[i].along, eb[j].along, n);
-            const double square = dot(n, n);
-            if (square <= 1e-24 * dot(ea[i].along, ea[i].along) * dot(eb[j].along, eb[j].along)) {
+            if (!may_cross(&ea[i], &eb[j])) {
                 continue;
             }
-            const double sign = dot(n, ea[i].arc[0]) + dot(n, ea[i].arc[1]) >= 0.0 ? 1.0 : -1.0;
+            cross(ea[i].along, eb[j].along, n);
+            const double square = dot(n, n);
+            if (square <= 1e-24 * ea[i].square * eb[j].square) {
+                continue;
+            }
+            const double sign = dot(n, ea[i].middle) >= 0.0 ? 1.0 : -1.0;
             for (int side = 0; side < (ea[i].bare ? 2 : 1); side++) {
                 const double scale = (side == 0 ? sign : -sign) / sqrt(square);
                 const double m[3] = {scale * n[0], scale * n[1], scale * n[2]};
@@ -630,8 +696,8 @@ static double rounded_polytopes(const truth_body *a, const truth_body *b, double
     double width = HUGE_VAL;
     distances d;
     if (full(a) || full(b)) {
-        try_faces(a, b, a, -1.0, &width, normal);
-        try_faces(a, b, b, 1.0, &width, normal);
+        try_faces(a, b, 0, &width, normal);
+        try_faces(a, b, 1, &width, normal);
         try_edges(a, b, &width, normal);
     }
     if (width >= a->radius + b->radius && width < HUGE_VAL) {
@@ -835,12 +901,44 @@ static double along_line(chart *c, double unused, double x)
     return golden(c, width_at, x);
 }
 
+/* The body with those vertices alone that are farthest along some direction within the square of
+ * half-width `spread` about n, seen from the body (sign 1) or towards it. */
+static void narrow(const truth_body *body, const double *n, double sign, double spread,
+                   truth_polytope *core, truth_body *out)
+{
+    double local[3];
+    double most = -HUGE_VAL;
+    *out = *body;
+    if (body->core == NULL) {
+        return;
+    }
+    to_local(body, n, local);
+    const double turn = 1.5 * spread; /* above the root of 2 */
+    for (int i = 0; i < body->core->vertices; i++) {
+        const double *v = body->core->vertex[i];
+        most = fmax(most, sign * dot(local, v) - turn * sqrt(dot(v, v)));
+    }
+    core->vertices = 0;
+    for (int i = 0; i < body->core->vertices; i++) {
+        const double *v = body->core->vertex[i];
+        if (sign * dot(local, v) + turn * sqrt(dot(v, v)) >= most) {
+            add_vertex(core, v);
+        }
+    }
+    out->core = core;
+}
+
 static double polish(const truth_body *a, const truth_body *b, double spread, int sections,
                      double normal[3])
 {
+    truth_polytope cores[2];
+    truth_body near_a;
+    truth_body near_b;
     chart c;
-    c.a = a;
-    c.b = b;
+    narrow(a, normal, -1.0, spread, &cores[0], &near_a);
+    narrow(b, normal, 1.0, spread, &cores[1], &near_b);
+    c.a = &near_a;
+    c.b = &near_b;
     c.radius = spread;
     c.sections = sections;
     const int flat = fabs(normal[0]) < 0.6 ? 0 : 1;
@@ -924,10 +1022,10 @@ static double by_sections(const truth_body *a, const truth_body *b, double *norm
     double width = HUGE_VAL;
     try_axes(a, b, &width, normal);
     if (a->core != NULL) {
-        try_faces(a, b, a, -1.0, &width, normal);
+        try_faces(a, b, 0, &width, normal);
     }
     if (b->core != NULL) {
-        try_faces(a, b, b, 1.0, &width, normal);
+        try_faces(a, b, 1, &width, normal);
     }
     const int count = spread_starts(a, b, start);
     for (int i = 0; i < count; i++) {

@@ -22,6 +22,7 @@ typedef struct truth_polytope {
     int faces;
     int edges;
     double vertex[TRUTH_VERTICES][3];
+    double across[3][TRUTH_VERTICES]; /* the same, all x before all y and z */
     double normal[TRUTH_FACES][3];
     int corner[TRUTH_FACES][4]; /* of a triangle or rectangle, -1 after the last */
     int edge[TRUTH_EDGES][4];
