@@ -1,7 +1,7 @@
 #include "newton.h"
 
-#include "cone.h"
 #include "dense.h"
+#include "natural.h"
 
 /* One setting for all problems. */
 #define FIRST_ALPHA 1e-2 /* of the mean |W_cc| */
@@ -28,8 +28,6 @@
 #define CLIQUE_SHARE 0.15 /* contacts of one body are all linked: fewer, larger blocks */
 #define SYMMETRY 1e-12
 #define PATIENCE 1500 /* Newton steps that bring nothing */
-
-enum { OPEN, SLIP, STICK };
 
 struct newton {
     const system_problem *problem;
@@ -152,23 +150,9 @@ static double coefficient(const newton *n, size_t c)
 static uint32_t map_contact(const newton *n, size_t c, const double *r, const double *u, double *f,
                             double bent[3], double y[3])
 {
-    const double g = n->gain[c];
-    const double mu = coefficient(n, c);
-    double projected[3];
-
-    for (size_t k = 0; k < 3; k++) {
+    for (size_t k = 0; k < 3; k++)
         bent[k] = u[k] + n->alpha * (r[k] - n->center[3 * c + k]);
-        y[k] = g * r[k] - bent[k];
-    }
-    const double slip = sqrt(bent[1] * bent[1] + bent[2] * bent[2]);
-    y[0] -= mu * slip;
-    cone_project(y, mu, projected);
-    for (int k = 0; k < 3; k++)
-        f[k] = g * r[k] - projected[k];
-    /* A tie counts as closed: a stack is met from below, with all interfaces but one at rest. */
-    if (y[0] >= 0.0 && projected[0] == y[0] && projected[1] == y[1] && projected[2] == y[2])
-        return STICK;
-    return projected[0] > 0.0 ? SLIP : OPEN;
+    return natural_map(n->gain[c], coefficient(n, c), r, bent, f, y);
 }
 
 static double map_all(newton *n, const double *r, const double *u, double *f, uint8_t *mode)
@@ -185,58 +169,15 @@ static double map_all(newton *n, const double *r, const double *u, double *f, ui
     return sqrt(sum);
 }
 
-/* P, the derivative of the projection at y. */
-static void derivative(uint32_t mode, const double y[3], double mu, double p[9])
-{
-    const double t = sqrt(y[1] * y[1] + y[2] * y[2]);
-    const double share = 1.0 / (1.0 + mu * mu);
-
-    for (int i = 0; i < 9; i++)
-        p[i] = mode == STICK && i % 4 == 0 ? 1.0 : 0.0;
-    if (mode != SLIP)
-        return;
-    const double h1 = t > 0.0 ? y[1] / t : 0.0;
-    const double h2 = t > 0.0 ? y[2] / t : 0.0;
-    const double across = t > 0.0 ? mu * share * (mu * t + y[0]) / t : 0.0;
-    const double along = mu * mu * share;
-    p[0] = share;
-    p[1] = p[3] = mu * share * h1;
-    p[2] = p[6] = mu * share * h2;
-    p[4] = along * h1 * h1 + across * h2 * h2;
-    p[5] = p[7] = (along - across) * h1 * h2;
-    p[8] = along * h2 * h2 + across * h1 * h1;
-}
-
-/* slope = P E, own = g (1 - P) + alpha P E, E the derivative of u' by u, right = F. Where a contact
- * sticks, P = 1, and all three are multiplied by E^-1: that row of the matrix is one of W. */
 static void linearize_contact(newton *n, size_t c)
 {
-    const double mu = coefficient(n, c);
-    const double *f = n->f + 3 * c;
-    double *slope = n->slope + 9 * c;
-    double *own = n->own + 9 * c;
-    double *right = n->right + 3 * c;
     double unused[3];
     double bent[3];
     double y[3];
-    double p[9];
 
     const uint32_t mode = map_contact(n, c, n->r + 3 * c, n->u + 3 * c, unused, bent, y);
-    const double slip = sqrt(bent[1] * bent[1] + bent[2] * bent[2]);
-    const double e1 = slip > 0.0 ? mu * bent[1] / slip : 0.0;
-    const double e2 = slip > 0.0 ? mu * bent[2] / slip : 0.0;
-    const double off = mode == STICK ? 0.0 : 1.0;
-    derivative(mode, y, mu, p);
-    for (int i = 0; i < 3; i++) {
-        slope[3 * i] = p[3 * i];
-        slope[3 * i + 1] = p[3 * i + 1] + off * p[3 * i] * e1;
-        slope[3 * i + 2] = p[3 * i + 2] + off * p[3 * i] * e2;
-        right[i] = f[i];
-    }
-    if (mode == STICK)
-        right[0] -= e1 * f[1] + e2 * f[2];
-    for (int i = 0; i < 9; i++)
-        own[i] = n->gain[c] * ((i % 4 == 0 ? 1.0 : 0.0) - p[i]) + n->alpha * slope[i];
+    natural_linearize(mode, n->gain[c], n->alpha, coefficient(n, c), bent, y, n->f + 3 * c,
+                      n->slope + 9 * c, n->own + 9 * c, n->right + 3 * c);
 }
 
 static void linearize(newton *n)
