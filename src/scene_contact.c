@@ -41,19 +41,53 @@ static tribo_status take_kicks(scene_run *run)
     return TRIBO_OK;
 }
 
-/* How far a point of the body may come before the next midpoint. */
+static int is_finite_radius(double radius)
+{
+    return radius - radius == 0.0;
+}
+
+static double turn_of(const scene_run *run, uint32_t i)
+{
+    const double *kick = (const double *)run->scene->kicks.data + 6 * (size_t)i;
+    return tribo_vec3_norm(scene_bodies(run->scene)[i].angular_velocity) +
+           tribo_vec3_norm(kick + 3);
+}
+
+static int does_speculate(const scene_run *run, uint32_t i)
+{
+    return scene_slots(run->scene)[i].asleep == 0 &&
+           (run->options.skip & TRIBO_SKIP_SPECULATION) == 0;
+}
+
+/* How far a point of the body may come before the next midpoint; of one without end, without its
+ * turning. */
 static double reach_of(const scene_run *run, uint32_t i)
 {
     const tribo_scene *s = run->scene;
-    const scene_slot *slot = &scene_slots(s)[i];
-    const tribo_body *body = &scene_bodies(s)[i];
+    const double radius = scene_slots(s)[i].radius;
     const double *kick = (const double *)s->kicks.data + 6 * (size_t)i;
-    const double turn = tribo_vec3_norm(body->angular_velocity) + tribo_vec3_norm(kick + 3);
-    const double speed = tribo_vec3_norm(body->velocity) + tribo_vec3_norm(kick);
-    if (slot->asleep != 0 || (run->options.skip & TRIBO_SKIP_SPECULATION)) {
+    const double turn = is_finite_radius(radius) ? turn_of(run, i) * radius : 0.0;
+    const double speed = tribo_vec3_norm(scene_bodies(s)[i].velocity) + tribo_vec3_norm(kick);
+    return does_speculate(run, i) ? run->h * (speed + turn) : 0.0;
+}
+
+/* A body without end that turns may come to anything. */
+static int may_come_anywhere(const scene_run *run, uint32_t i)
+{
+    return !is_finite_radius(scene_slots(run->scene)[i].radius) && does_speculate(run, i) &&
+           turn_of(run, i) > 0.0;
+}
+
+/* How far the turning of such a body may bring it near the other one. */
+static double swing_of(const scene_run *run, uint32_t i, uint32_t other)
+{
+    const tribo_scene *s = run->scene;
+    double way[3];
+    if (!may_come_anywhere(run, i)) {
         return 0.0;
     }
-    return run->h * (speed + (turn > 0.0 ? turn * slot->radius : 0.0));
+    tribo_vec3_subtract(scene_bodies(s)[other].position, scene_bodies(s)[i].position, way);
+    return run->h * turn_of(run, i) * (tribo_vec3_norm(way) + scene_slots(s)[other].radius);
 }
 
 static double margin_of(const scene_run *run, double radius)
@@ -62,11 +96,6 @@ static double margin_of(const scene_run *run, double radius)
         return 0.0;
     }
     return run->options.margin > 0.0 ? run->options.margin : NEAR * radius;
-}
-
-static int is_finite_radius(double radius)
-{
-    return radius - radius == 0.0;
 }
 
 static tribo_status move_boxes(scene_run *run)
@@ -86,7 +115,8 @@ static tribo_status move_boxes(scene_run *run)
         if (*reach != *reach || *reach + margin != *reach + margin) {
             return TRIBO_ERROR_RANGE;
         }
-        status = scene_place_box(s, i, *reach + margin);
+        status =
+            scene_place_box(s, i, may_come_anywhere(run, i) ? (double)INFINITY : *reach + margin);
     }
     return status;
 }
@@ -311,7 +341,8 @@ static tribo_status collide_pair(scene_run *run, const uint32_t pair[2], double 
         scene_shape_pose(slots[side], &scene_bodies(s)[pair[side]], &poses[side]);
     }
     const double *reaches = s->reaches.data;
-    options.margin = margin + reaches[pair[0]] + reaches[pair[1]];
+    options.margin = margin + reaches[pair[0]] + reaches[pair[1]] +
+                     swing_of(run, pair[0], pair[1]) + swing_of(run, pair[1], pair[0]);
     run->info.pairs++;
     tribo_status status = scene_reserve(s, &s->manifolds, FIRST_MANIFOLDS, sizeof(tribo_manifold));
     while (status == TRIBO_OK) {

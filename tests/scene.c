@@ -588,6 +588,33 @@ static void test_floor_may_come_last(void **state)
     settle("box on a floor that was added last");
 }
 
+/* A floor without end that turns about its normal does nothing to a ball at rest on it; one that
+ * tilts takes it along. */
+static void test_turning_floor(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        tribo_scene *scene = make_scene(0.0, -G, 0);
+        tribo_scene_body plate = floor_of(0.0, 0.0);
+        tribo_scene_body ball = sphere_of(1.0, 0.5, 0.0, 0.0);
+        double normal[3];
+        plate.kind = TRIBO_BODY_KINEMATIC;
+        plate.state.angular_velocity[k == 0 ? 2 : 1] = -2.0;
+        const uint32_t floor = add(scene, &plate);
+        const uint32_t id = add_at(scene, &ball, 2.0, 0.0, 0.5);
+        run(scene, 0.01, 30, NULL);
+        const tribo_body end = state_of(scene, id);
+        const double up[3] = {0.0, 0.0, 1.0};
+        tribo_quat_rotate(state_of(scene, floor).orientation, up, normal);
+        const double gap = tribo_vec3_dot(normal, end.position) - 0.5;
+        within(fmax(-gap, 0.0), 2e-3); /* (omega h)^2 r / 2 in a step, of which a quarter goes */
+        within(k == 0 ? distance(end.position, ball.state.position, 3) : 0.0, 1e-12);
+        within(k == 1 ? fmax(2.0 - end.velocity[2], 0.0) : 0.0, 1e-12);
+        tribo_scene_destroy(scene);
+    }
+    settle("turning floor");
+}
+
 /* Overlaps go away, and nothing gets faster by it. */
 static void test_overlap_goes_without_speed(void **state)
 {
@@ -1043,6 +1070,7 @@ int main(void)
         TEST(test_elastic_heap_keeps_energy),
         TEST(test_fast_ball_does_not_pass),
         TEST(test_floor_may_come_last),
+        TEST(test_turning_floor),
         TEST(test_overlap_goes_without_speed),
         TEST(test_stages_that_are_not_needed),
         TEST(test_warm_start),

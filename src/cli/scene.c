@@ -56,6 +56,7 @@ world scene_world(const scene_entry *entry)
                      .seconds = entry->seconds,
                      .options = {.struct_size = sizeof w.options,
                                  .substeps = entry->substeps,
+                                 .solver = entry->solver,
                                  .tolerance = entry->solver_tolerance},
                      .restitution = 1.0};
 
@@ -221,7 +222,7 @@ int cli_scene(int argc, char **argv)
         {"solver", required_argument, NULL, 's'},  {"tol", required_argument, NULL, 't'},
         {"seconds", required_argument, NULL, 'S'}, {"csv", required_argument, NULL, 'c'},
         {"help", no_argument, NULL, 'h'},          {NULL, 0, NULL, 0}};
-    world asked = {0};
+    world asked = {.options.solver = CLI_SOLVERS}; /* none */
     const char *csv = NULL;
     int option;
 
@@ -241,7 +242,7 @@ int cli_scene(int argc, char **argv)
     w.dt = asked.dt > 0.0 ? asked.dt : w.dt;
     w.seconds = asked.seconds > 0.0 ? asked.seconds : w.seconds;
     w.options.substeps = asked.options.substeps > 0 ? asked.options.substeps : w.options.substeps;
-    w.options.solver = asked.options.solver;
+    w.options.solver = asked.options.solver < CLI_SOLVERS ? asked.options.solver : w.options.solver;
     w.options.tolerance =
         asked.options.tolerance > 0.0 ? asked.options.tolerance : w.options.tolerance;
     return run_scene(entry, &w, csv);

@@ -38,6 +38,7 @@ typedef struct scene_entry {
     double tolerance;    /**< greatest error of a right run with these options... */
     uint32_t scale;      /**< ...times SCENE_... */
     uint32_t substeps;   /**< 0 counts as 1 */
+    uint32_t solver;     /**< TRIBO_SOLVER_... */
     double solver_tolerance; /**< of tribo_step_options; 0: its default */
     const char *reason;      /**< where the tolerance is from */
 

@@ -111,10 +111,14 @@ uint32_t world_add_at(world *w, const tribo_scene_body *body, double x, double y
     return world_add(w, &placed);
 }
 
+double world_substep(const world *w)
+{
+    return w->dt / (w->options.substeps > 0 ? w->options.substeps : 1);
+}
+
 void world_before(const world *w, tribo_scene_body *body)
 {
-    const uint32_t substeps = w->options.substeps > 0 ? w->options.substeps : 1;
-    const double half = 0.5 * w->dt / substeps;
+    const double half = 0.5 * world_substep(w);
     double turn[3];
     double q[4];
 

@@ -66,6 +66,9 @@ int world_check(world *w, tribo_status status);
 uint32_t world_add(world *w, const tribo_scene_body *body);
 uint32_t world_add_at(world *w, const tribo_scene_body *body, double x, double y, double z);
 
+/** Of a sub-step, s. */
+double world_substep(const world *w);
+
 /** Take `body` half a step back on its way, so that the midpoint of the first step finds it where
  *  it is now: contacts are found there. */
 void world_before(const world *w, tribo_scene_body *body);
