@@ -34,7 +34,8 @@ static const char USAGE[] =
 
 static const char CSV_HEADER[] = "time,body,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz\n";
 
-const scene_group *const scene_groups[SCENE_GROUPS] = {&scenes_impact, &scenes_slide};
+const scene_group *const scene_groups[SCENE_GROUPS] = {&scenes_impact, &scenes_slide,
+                                                           &scenes_limit};
 
 /* ---- running --------------------------------------------------------------------------------- */
 
@@ -58,6 +59,7 @@ world scene_world(const scene_entry *entry)
                                  .substeps = entry->substeps,
                                  .solver = entry->solver,
                                  .tolerance = entry->solver_tolerance},
+                     .given = entry->given,
                      .restitution = 1.0};
 
     return w;

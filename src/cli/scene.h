@@ -41,6 +41,7 @@ typedef struct scene_entry {
     uint32_t solver;     /**< TRIBO_SOLVER_... */
     double solver_tolerance; /**< of tribo_step_options; 0: its default */
     const char *reason;      /**< where the tolerance is from */
+    const void *given;       /**< for `run`, as w->given: what tells scenes of one kind apart */
 
     /** Run it in `w`, whose dt, seconds and options are set: world_begin, bodies, world_run, answer.
      *  Lines beside the answer go to w->notes, if there is one. */
@@ -54,10 +55,11 @@ typedef struct scene_group {
 } scene_group;
 
 /** All groups. */
-enum { SCENE_GROUPS = 2 };
+enum { SCENE_GROUPS = 3 };
 extern const scene_group *const scene_groups[SCENE_GROUPS];
 extern const scene_group scenes_impact; /**< A6 to A10 */
 extern const scene_group scenes_slide;  /**< B1 to B6 */
+extern const scene_group scenes_limit;  /**< B7, B8, B16: how far bodies stay at rest */
 
 /** The entry of that name; null if there is none. */
 const scene_entry *scene_find(const char *name);

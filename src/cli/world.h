@@ -21,6 +21,7 @@ typedef struct world {
     double dt;      /**< of a step, s */
     double seconds; /**< that the scene asks for, or the user */
     tribo_step_options options;
+    const void *given; /**< of the scene, as in scene_entry */
     FILE *csv;   /**< for states; null: none */
     FILE *notes; /**< for lines beside the answer; null: none */
 
