@@ -55,16 +55,17 @@ static void renew_velocities(solver *s, const system_problem *p, const double *f
         s->v[i] = free_velocity[i] + s->dv[i];
 }
 
-/* Sweeps that are missing if each batch brings a distance down by the factor that the last did. */
-static double missing(double won, double distance, uint32_t batch)
+/* 1 if more than `hope` sweeps are missing, if each batch brings a distance down by the factor that
+ * the last did. Counts no further than that: a factor of next to 1 would take millions. */
+static int is_hopeless(double won, double distance, uint32_t batch, double hope)
 {
     double sweeps = 0.0;
 
     if (!(won > 1.0))
-        return HUGE_VAL;
-    for (; distance > 1.0 && sweeps < 1e9; distance /= won)
+        return 1;
+    for (; distance > 1.0 && sweeps <= hope; distance /= won)
         sweeps += (double)batch;
-    return sweeps;
+    return sweeps > hope;
 }
 
 /* Sweep until the goal is met, `most` sweeps are done, or - if `hope` is given - more than that
@@ -90,7 +91,7 @@ static double sweep_until(solver *s, const system_problem *p, const double *free
             copy(3 * (size_t)p->count, r, s->held);
         }
         if (here.distance > 1.0 && hope > 0.0 &&
-            missing(before / here.distance, here.distance, now) > hope)
+            is_hopeless(before / here.distance, here.distance, now, hope))
             break;
         before = here.distance;
         batch = batch < 1024 ? 2 * batch : batch;
