@@ -95,6 +95,21 @@ int cli_positive(const char *option, const char *text, double *number)
     return 0;
 }
 
+int cli_count(const char *option, const char *text, uint32_t least, uint32_t *count)
+{
+    double number;
+
+    if (cli_number(option, text, &number) != 0)
+        return -1;
+    if (number < least || number > 1048576.0 || floor(number) != number) {
+        cli_error(CLI_USAGE, "%s: \"%s\" is not a whole number from %u to 1048576", option, text,
+                  (unsigned)least);
+        return -1;
+    }
+    *count = (uint32_t)number;
+    return 0;
+}
+
 double cli_now(void *user)
 {
     struct timespec t;

@@ -50,6 +50,9 @@ int cli_number(const char *option, const char *text, double *number);
 /** The same, and above 0. */
 int cli_positive(const char *option, const char *text, double *number);
 
+/** Read the whole of `text` as a whole number from `least` to 2^20; -1 after a message. */
+int cli_count(const char *option, const char *text, uint32_t least, uint32_t *count);
+
 /** Seconds from any moment on: a tribo_clock_function. */
 double cli_now(void *user);
 

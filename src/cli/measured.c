@@ -29,26 +29,20 @@ static int make_path(char path[PATH_AT_MOST], const char *data, const char *fold
 
 static int run_tosses(const char *data)
 {
-    toss_options options = toss_defaults();
-    const uint32_t preferred = options.law;
+    const toss_options options = toss_defaults();
     char path[PATH_AT_MOST];
+    toss_data tosses;
     int exit_status = make_path(path, data, "cube_tosses", "tosses", ".csv");
 
-    printf("\nMeasured tosses of a cube, predicted from the first state of each (mu %g, e %g)\n\n"
-           "  law              tosses   position error   rotation error   time per step\n"
-           "                                    widths          degrees              us\n",
-           options.pair.mu_s, options.pair.e);
-    for (options.law = 0; options.law < CLI_LAWS && exit_status == 0; options.law++) {
-        toss_result result;
-        exit_status = toss_predict(path, &options, &result);
-        if (exit_status == 0)
-            printf("  %-15s  %6lu  %15.3f  %15.2f  %14.2f%s\n", cli_law_names[options.law],
-                   result.tosses, result.position_error, result.rotation_error,
-                   result.seconds * 1e6 / (double)result.steps,
-                   options.law == preferred ? "  *" : "");
-    }
     if (exit_status == 0)
-        puts("  * the law that tribo toss takes by default");
+        exit_status = toss_read(path, TOSS_FROM_AT_MOST, &tosses);
+    if (exit_status != 0)
+        return exit_status;
+    printf("\n%zu measured tosses of a cube, predicted by a scene from state %u of each (mu %g, e "
+           "%g)\n\n",
+           tosses.tosses, (unsigned)options.from, options.pair.mu_s, options.pair.e);
+    exit_status = toss_compare(&tosses, &options);
+    toss_free(&tosses);
     return exit_status;
 }
 

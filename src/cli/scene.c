@@ -165,20 +165,6 @@ static int run_scene(const scene_entry *entry, world *w, const char *csv)
     return exit_status;
 }
 
-static int take_count(const char *option, const char *text, uint32_t *count)
-{
-    double number;
-
-    if (cli_positive(option, text, &number) != 0)
-        return -1;
-    if (number > 1048576.0 || floor(number) != number) {
-        cli_error(CLI_USAGE, "%s: \"%s\" is not a whole number from 1 to 1048576", option, text);
-        return -1;
-    }
-    *count = (uint32_t)number;
-    return 0;
-}
-
 /* -1 after a message; 1 if help was asked for. */
 static int take_option(int option, world *w, const char **csv)
 {
@@ -186,7 +172,7 @@ static int take_option(int option, world *w, const char **csv)
     case 'd':
         return cli_positive("--dt", optarg, &w->dt);
     case 'n':
-        return take_count("--substeps", optarg, &w->options.substeps);
+        return cli_count("--substeps", optarg, 1, &w->options.substeps);
     case 's':
         return cli_solver_find(optarg, &w->options.solver);
     case 't':
