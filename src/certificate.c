@@ -1,6 +1,6 @@
 #include "certificate.h"
 
-#include "cone.h"
+#include "resist.h"
 
 /* What rounding may add to eta: huge impulses are not taken for what it happens to spare. */
 #define NOISE (8.0 * TRIBO_EPS)
@@ -218,12 +218,15 @@ static double size_by_blocks(const system_problem *p, size_t c, const double *r)
     return length3(out);
 }
 
-/* V of a contact; sizes: of sizes_of_bodies, or null. */
+/* V of a contact; sizes: of sizes_of_bodies, or null. That of a torque holds that of its contact,
+ * too: rounding of impulses that roll nothing is not taken for rolling. */
 static double velocity_scale(const system_problem *p, size_t c, const double *r,
                              const double *sizes)
 {
     const double own = length3(p->q + 3 * c);
-    return own + (p->bodies != 0 ? size_by_bodies(p, c, sizes) : size_by_blocks(p, c, r));
+    const double all =
+        own + (p->bodies != 0 ? size_by_bodies(p, c, sizes) : size_by_blocks(p, c, r));
+    return resist_is_torque(p, c) ? all + velocity_scale(p, c - 1, r, sizes) : all;
 }
 
 /* ---- measures of one contact ----------------------------------------------------------------- */
@@ -238,7 +241,7 @@ static double greatest_diagonal(const double w[9])
 }
 
 /* |x - P_K(x - y)|, y = scale (u + mu |u_t| e_n). */
-static double natural_map(const double x[3], double scale, const double u[3], double mu)
+static double map_size(const double x[3], double scale, const double u[3], double mu)
 {
     const double bent = u[0] + mu * planar_length(u[1], u[2]);
     const double moved[3] = {x[0] - scale * bent, x[1] - scale * u[1], x[2] - scale * u[2]};
@@ -258,7 +261,7 @@ static measured measure_with(double most, double mu, double v, double p, const d
     const double twist[3] = {slip * r[1] + mu * r[0] * u[1], slip * r[2] + mu * r[0] * u[2], 0.0};
     measured out;
 
-    out.eta = natural_map(r, 1.0 / (most * greater(1.0, mu)), u, mu) / p;
+    out.eta = map_size(r, 1.0 / (most * greater(1.0, mu)), u, mu) / p;
     out.signorini = absolute(lesser(u[0] / v, r[0] / p));
     out.cone = greater(0.0, planar_length(r[1], r[2]) - mu * r[0]) / p;
     out.misalignment = length3(twist) / (p * v);
@@ -289,6 +292,58 @@ static measured measure_contact(const system_problem *problem, size_t c, double 
     return still;
 }
 
+/* ---- measures of a torque -------------------------------------------------------------------- */
+
+static double torque_map(const system_problem *problem, size_t c, double sigma, double scale,
+                         const double *r, const double *u)
+{
+    double limits[2];
+    double moved[3];
+    double projected[3];
+
+    resist_limits(problem, c, sigma * r[-3], limits);
+    for (int k = 0; k < 3; k++)
+        moved[k] = sigma * r[k] - scale * u[k];
+    resist_project(moved, limits, projected);
+    for (int k = 0; k < 3; k++)
+        projected[k] = sigma * r[k] - projected[k];
+    return length3(projected);
+}
+
+/* r and u are those of the torque; its contact's stand before them. */
+static measured measure_torque(const system_problem *problem, size_t c, double v, const double *r,
+                               const double *u)
+{
+    const double own = greatest_diagonal(problem->diagonal + 9 * c);
+    const double most = own > 0.0 ? own : greatest_diagonal(problem->diagonal + 9 * (c - 1));
+    const double p = v / most;
+    const double roll = planar_length(u[1], u[2]);
+    double limits[2];
+    measured out = {0.0, 0.0, 0.0, 0.0};
+
+    if (v == 0.0)
+        return out;
+    resist_limits(problem, c, r[-3], limits);
+    const double twist[3] = {roll * r[1] + limits[1] * u[1], roll * r[2] + limits[1] * u[2],
+                             absolute(u[0]) * r[0] + limits[0] * u[0]};
+    out.eta = torque_map(problem, c, 1.0, 1.0 / most, r, u) / p;
+    out.cone =
+        greater(0.0, greater(absolute(r[0]) - limits[0], planar_length(r[1], r[2]) - limits[1])) /
+        p;
+    out.misalignment = length3(twist) / (p * v);
+    return out;
+}
+
+/* A contact or a torque. */
+static measured measure_any(const system_problem *problem, size_t c, double v, const double *r,
+                            const double *u)
+{
+    double fit;
+    return resist_is_torque(problem, c)
+               ? measure_torque(problem, c, v, r + 3 * c, u + 3 * c)
+               : measure_contact(problem, c, v, r + 3 * c, u + 3 * c, &fit);
+}
+
 /* ---- measures of a system -------------------------------------------------------------------- */
 
 /* The coefficient that a contact is judged by. */
@@ -313,8 +368,13 @@ static double squared_map(const system_problem *problem, double sigma, const dou
     for (size_t c = 0; c < problem->count; c++) {
         const double *own = r + 3 * c;
         const double scaled[3] = {sigma * own[0], sigma * own[1], sigma * own[2]};
+        if (resist_is_torque(problem, c)) {
+            const double map = torque_map(problem, c, sigma, 1.0, own, u + 3 * c);
+            sum += map * map;
+            continue;
+        }
         const double fit = fit_of(problem, c, r, u, scratch);
-        const double map = natural_map(scaled, 1.0, u + 3 * c, fit);
+        const double map = map_size(scaled, 1.0, u + 3 * c, fit);
         /* Beyond mu_d a contact may not slide. */
         const double slip =
             fit > problem->mu[2 * c + 1] ? planar_length(u[3 * c + 1], u[3 * c + 2]) : 0.0;
@@ -334,11 +394,10 @@ static verdict judge_by_eta(const system_problem *problem, const goal *wanted, c
                             const double *u, double *scratch)
 {
     verdict out = {0.0, 0.0};
-    double fit;
 
     for (size_t c = 0; c < problem->count; c++) {
         const double v = velocity_scale(problem, c, r, scratch);
-        const double eta = measure_contact(problem, c, v, r + 3 * c, u + 3 * c, &fit).eta;
+        const double eta = measure_any(problem, c, v, r, u).eta;
         out.distance = worse(out.distance, eta);
         out.residual = worse(out.residual, (eta + NOISE) * v);
     }
@@ -388,21 +447,28 @@ void certificate_write(const system_problem *problem, const double *r, const dou
     const size_t numbers = 3 * (size_t)problem->count;
     const double q_size = length(numbers, problem->q);
     double squares = 0.0;
-    double fit;
+    double before = 0.0;
+    uint32_t contacts = 0;
 
     info->eta = info->signorini = info->cone = info->misalignment = 0.0;
     if (problem->bodies != 0)
         sizes_of_bodies(problem, r, scratch);
     for (size_t c = 0; c < problem->count; c++) {
         const double v = velocity_scale(problem, c, r, scratch);
-        const measured m = measure_contact(problem, c, v, r + 3 * c, u + 3 * c, &fit);
-        squares += m.eta * m.eta;
+        const measured m = measure_any(problem, c, v, r, u);
+        /* Of a contact and its torque the worse counts. */
+        if (resist_is_torque(problem, c))
+            squares += greater(m.eta * m.eta - before * before, 0.0);
+        else
+            squares += m.eta * m.eta;
+        contacts += resist_is_torque(problem, c) ? 0 : 1;
+        before = m.eta;
         info->eta = greater(info->eta, m.eta);
         info->signorini = greater(info->signorini, m.signorini);
         info->cone = greater(info->cone, m.cone);
         info->misalignment = greater(info->misalignment, m.misalignment);
     }
-    info->eta_rms = problem->count != 0 ? sqrt(squares / (double)problem->count) : 0.0;
+    info->eta_rms = contacts != 0 ? sqrt(squares / (double)contacts) : 0.0;
     const double map = sqrt(squared_map(problem, certificate_stiffness(problem), r, u, scratch));
     info->invariant = q_size > 0.0 ? map / q_size : 0.0;
     const double unit = sqrt(squared_map(problem, 1.0, r, u, scratch));

@@ -1,7 +1,7 @@
 #include "newton.h"
 
 #include "dense.h"
-#include "natural.h"
+#include "resist.h"
 
 /* One setting for all problems. */
 #define FIRST_ALPHA 1e-2 /* of the mean |W_cc| */
@@ -47,8 +47,9 @@ struct newton {
     double *step, *moved, *best;      /* dr, a scratch, and the best impulses */
     double *right;                    /* F, without E where a contact sticks */
     double *gain;                     /* g_c */
-    double *dv;                       /* 6 per body */
-    double *slope, *own;              /* P E and A = g (1 - P) + alpha P E: 9 per contact */
+    double *lead;        /* of torques, 3 per contact: what the normal impulse does to F */
+    double *dv;          /* 6 per body */
+    double *slope, *own; /* P E and A = g (1 - P) + alpha P E: 9 per contact */
     uint8_t *mode, *next_mode;
 
     double *half;    /* bodies: J (unit M)^-1/2, 36 per contact: unit W = half half^T */
@@ -82,7 +83,7 @@ static double *numbers(arena *a, size_t count)
     return arena_take(a, count, sizeof(double));
 }
 
-static void take_state(newton *n, arena *a, size_t count, uint32_t bodies)
+static void take_state(newton *n, arena *a, size_t count, uint32_t bodies, uint32_t torques)
 {
     double **each[] = {&n->r,      &n->center, &n->u,     &n->f,    &n->next_r, &n->next_u,
                        &n->next_f, &n->step,   &n->moved, &n->best, &n->right};
@@ -92,6 +93,7 @@ static void take_state(newton *n, arena *a, size_t count, uint32_t bodies)
     n->dv = numbers(a, 6 * (size_t)bodies);
     n->slope = numbers(a, 9 * count);
     n->own = numbers(a, 9 * count);
+    n->lead = torques != 0 ? numbers(a, 3 * count) : NULL;
     n->mode = arena_take(a, count, 1);
     n->next_mode = arena_take(a, count, 1);
     n->place = arena_take(a, 4 * count + 1, sizeof(uint32_t));
@@ -118,14 +120,15 @@ static void take_lower(newton *n, arena *a, uint32_t rows, size_t entries)
     n->lower_values = numbers(a, entries);
 }
 
-newton *newton_take(arena *a, uint32_t count, uint32_t bodies, size_t links, const newton_run *run)
+newton *newton_take(arena *a, uint32_t count, uint32_t bodies, uint32_t torques, size_t links,
+                    const newton_run *run)
 {
     newton counted = {0};
     newton *taken = arena_take(a, 1, sizeof *taken);
     newton *n = taken != NULL ? taken : &counted;
 
     *n = counted;
-    take_state(n, a, count, bodies);
+    take_state(n, a, count, bodies, torques);
     if (bodies != 0) {
         n->half = numbers(a, 36 * (size_t)count);
         n->root = numbers(a, 6 * (size_t)bodies);
@@ -155,15 +158,30 @@ static uint32_t map_contact(const newton *n, size_t c, const double *r, const do
     return natural_map(n->gain[c], coefficient(n, c), r, bent, f, y);
 }
 
+/* The same of a torque; f holds that of its contact before. */
+static uint32_t map_torque(const newton *n, size_t c, const double *r, const double *u, double *f,
+                           double limits[2], double y[3])
+{
+    const double normal = resist_normal(n->gain[c - 1], r[-3], f[-3]);
+    double bent[3];
+
+    for (size_t k = 0; k < 3; k++)
+        bent[k] = u[k] + n->alpha * (r[k] - n->center[3 * c + k]);
+    resist_limits(n->problem, c, n->gain[c] * normal, limits);
+    return resist_map(n->gain[c], limits, r, bent, f, y);
+}
+
 static double map_all(newton *n, const double *r, const double *u, double *f, uint8_t *mode)
 {
     double sum = 0.0;
 
     for (size_t c = 0; c < n->problem->count; c++) {
-        double bent[3];
+        double unused[3];
         double y[3];
         double *own = f + 3 * c;
-        mode[c] = (uint8_t)map_contact(n, c, r + 3 * c, u + 3 * c, own, bent, y);
+        mode[c] = (uint8_t)(resist_is_torque(n->problem, c)
+                                ? map_torque(n, c, r + 3 * c, u + 3 * c, own, unused, y)
+                                : map_contact(n, c, r + 3 * c, u + 3 * c, own, unused, y));
         sum += own[0] * own[0] + own[1] * own[1] + own[2] * own[2];
     }
     return sqrt(sum);
@@ -180,10 +198,34 @@ static void linearize_contact(newton *n, size_t c)
                       n->slope + 9 * c, n->own + 9 * c, n->right + 3 * c);
 }
 
+/* The same of a torque, but for what the normal impulse does to it: `lead` is kept for
+ * follow_normal, and F of the contact is in what is on the right already. */
+static void linearize_torque(newton *n, size_t c)
+{
+    const double *f = n->f + 3 * c;
+    double *lead = n->lead + 3 * c;
+    double held[6] = {f[-3], f[-2], f[-1], 0.0, 0.0, 0.0};
+    double lengths[2];
+    double limits[2];
+    double y[3];
+
+    map_torque(n, c, n->r + 3 * c, n->u + 3 * c, held + 3, limits, y);
+    resist_limits(n->problem, c, 1.0, lengths);
+    resist_linearize(n->gain[c], n->alpha, limits, lengths, y, n->slope + 9 * c, n->own + 9 * c,
+                     lead);
+    for (size_t k = 0; k < 3; k++)
+        n->right[3 * c + k] = f[k] - lead[k] * (f[-3] / n->gain[c - 1]);
+}
+
 static void linearize(newton *n)
 {
     n->symmetric = n->symmetric_w;
     for (size_t c = 0; c < n->problem->count; c++) {
+        if (resist_is_torque(n->problem, c)) {
+            linearize_torque(n, c);
+            n->symmetric = n->mode[c] == SLIP ? 0 : n->symmetric;
+            continue;
+        }
         linearize_contact(n, c);
         if (n->mode[c] == SLIP && coefficient(n, c) > 0.0)
             n->symmetric = 0;
@@ -560,9 +602,11 @@ static void add_product(const double *left, const double d[9], const double *rig
     }
 }
 
-static void add_contact(newton *n, uint32_t dense, size_t c, const double d[9])
+/* The matrix of the bodies of contact c, += H_c^T D H_d; contact d has the same bodies. */
+static void add_blocks(newton *n, uint32_t dense, size_t c, size_t d_at, const double d[9])
 {
     const double *half = n->half + 36 * c;
+    const double *other = n->half + 36 * d_at;
     const uint32_t *pair = n->problem->pairs + 2 * c;
 
     for (uint32_t i = 0; i < 2; i++) {
@@ -571,9 +615,29 @@ static void add_contact(newton *n, uint32_t dense, size_t c, const double d[9])
             if (pair[i] == TRIBO_WORLD || pair[j] == TRIBO_WORLD)
                 continue;
             double *block = block_of(n, dense, pair[i], pair[j], &stride);
-            add_product(half + 18 * (size_t)i, d, half + 18 * (size_t)j, block, stride);
+            add_product(half + 18 * (size_t)i, d, other + 18 * (size_t)j, block, stride);
         }
     }
+}
+
+/* The step of a torque is -known - D du + lag dr_n, with lag = A^-1 lead and dr_n by the step of the
+ * contact before it: a part of that is known, the other couples the two. */
+static void follow_normal(newton *n, uint32_t dense, size_t c, const double inverse[9],
+                          double known[3])
+{
+    const double *before = n->slope + 9 * (c - 1);
+    double *lag = n->lead + 3 * c;
+    double lead[3] = {lag[0], lag[1], lag[2]};
+    double across[9];
+
+    apply3(inverse, lead, lag);
+    for (int i = 0; i < 3; i++) {
+        known[i] += lag[i] * known[-3];
+        for (int k = 0; k < 3; k++)
+            across[3 * i + k] = n->unit * (lag[i] * before[k]);
+    }
+    if (n->mode[c - 1] != OPEN && n->mode[c] == SLIP)
+        add_blocks(n, dense, c, c - 1, across);
 }
 
 static void clear_matrix(newton *n, uint32_t dense)
@@ -617,6 +681,8 @@ static int step_on_bodies(newton *n, newton_run *run)
             d[i] = row[0] * column[0] + row[1] * column[3] + row[2] * column[6];
         }
         apply3(inverse, n->right + 3 * c, known);
+        if (resist_is_torque(p, c))
+            follow_normal(n, dense, c, inverse, known);
         for (int i = 0; i < 9; i++) {
             n->slope[9 * c + (size_t)i] = d[i];
             d[i] *= n->unit;
@@ -632,12 +698,13 @@ static int step_on_bodies(newton *n, newton_run *run)
             }
         }
         if (n->mode[c] != OPEN)
-            add_contact(n, dense, c, d);
+            add_blocks(n, dense, c, c, d);
     }
     if (n->symmetric != 0 && dense == 0)
         copy_lower(n);
     if (!eliminate(n, rows, run))
         return 0;
+    double normal_change = 0.0;
     for (size_t c = 0; c < p->count; c++) {
         double moved[3] = {0.0, 0.0, 0.0};
         double change[3];
@@ -650,6 +717,11 @@ static int step_on_bodies(newton *n, newton_run *run)
             }
         }
         apply3(n->slope + 9 * c, moved, change);
+        if (resist_is_torque(p, c)) {
+            for (size_t k = 0; k < 3; k++)
+                change[k] += n->lead[3 * c + k] * normal_change;
+        }
+        normal_change = change[0];
         for (size_t k = 0; k < 3; k++)
             n->step[3 * c + k] = -n->step[3 * c + k] - change[k];
     }
@@ -815,17 +887,65 @@ static void renew_contact(newton *n, size_t c)
         r[k] = next[k];
 }
 
+/* The same of a contact and its torque. */
+static void renew_resisting(newton *n, size_t c)
+{
+    const system_problem *p = n->problem;
+    resist_block block;
+    double next[6];
+
+    resist_fill(p, c, n->alpha, &block);
+    for (size_t i = 0; i < 6; i++)
+        next[i] = n->r[3 * c + i];
+    certificate_contact_velocity(p, c, n->dv, block.b);
+    certificate_contact_velocity(p, c + 1, n->dv, block.b + 3);
+    for (size_t i = 0; i < 6; i++) {
+        block.b[i] -= n->alpha * n->center[3 * c + i] - n->alpha * next[i];
+        for (size_t k = 0; k < 6; k++)
+            block.b[i] -= block.w[6 * i + k] * next[k];
+    }
+    if (!resist_solve(&block, next))
+        return;
+    for (size_t part = 0; part < 2; part++) {
+        double *r = n->r + 3 * (c + part);
+        const double *to = next + 3 * part;
+        const double change[3] = {to[0] - r[0], to[1] - r[1], to[2] - r[2]};
+        certificate_push(p, c + part, change, n->dv);
+        for (int k = 0; k < 3; k++)
+            r[k] = to[k];
+    }
+}
+
+/* Impulses into the cone, torques within their limits. */
+static void project_all(const newton *n, const double *from, double *to)
+{
+    const system_problem *p = n->problem;
+
+    for (size_t c = 0; c < p->count; c++) {
+        double limits[2];
+        if (!resist_is_torque(p, c)) {
+            cone_project(from + 3 * c, coefficient(n, c), to + 3 * c);
+            continue;
+        }
+        resist_limits(p, c, to[3 * c - 3], limits);
+        resist_project(from + 3 * c, limits, to + 3 * c);
+    }
+}
+
 /* Gauss-Seidel on the proximal problem, twice as long each time. Returns |F|. */
 static double smooth(newton *n)
 {
     const system_problem *p = n->problem;
 
-    for (size_t c = 0; c < p->count; c++)
-        cone_project(n->r + 3 * c, coefficient(n, c), n->r + 3 * c);
+    project_all(n, n->r, n->r);
     certificate_velocity(p, n->r, n->dv, n->u);
     for (uint32_t i = 0; i < n->sweeps; i++) {
-        for (size_t c = 0; c < p->count; c++)
-            renew_contact(n, c);
+        for (size_t c = 0; c < p->count; c++) {
+            if (resist_has_torque(p, c))
+                renew_resisting(n, c);
+            else if (!resist_is_torque(p, c))
+                renew_contact(n, c);
+        }
     }
     n->sweeps = n->sweeps < MOST_SWEEPS ? 2 * n->sweeps : MOST_SWEEPS;
     certificate_velocity(p, n->r, n->dv, n->u);
@@ -892,8 +1012,7 @@ static double judge(newton *n)
     const size_t count = n->problem->count;
     const double alpha = n->alpha;
 
-    for (size_t c = 0; c < count; c++)
-        cone_project(n->r + 3 * c, coefficient(n, c), n->next_r + 3 * c);
+    project_all(n, n->r, n->next_r);
     certificate_velocity(n->problem, n->next_r, n->dv, n->next_u);
     n->alpha = 0.0;
     const double f = map_all(n, n->next_r, n->next_u, n->next_f, n->next_mode);
@@ -962,6 +1081,8 @@ static void begin(newton *n, const system_problem *problem, const double *r)
         for (int i = 0; i < 9; i++)
             squares += w[i] * w[i];
         n->gain[c] = sqrt(squares);
+        if (resist_is_torque(problem, c) && n->gain[c] == 0.0)
+            n->gain[c] = n->gain[c - 1]; /* it can turn nothing, but has its law */
         sum += n->gain[c];
         most = greater(most, n->gain[c]);
     }

@@ -32,8 +32,9 @@ typedef struct newton_run {
 uint32_t newton_possible(uint32_t count, uint32_t bodies, const newton_run *run);
 
 /* Take the memory for problems of up to this size: `links` counts the blocks of W, or twice the
- * contacts in the bodies form. */
-newton *newton_take(arena *a, uint32_t count, uint32_t bodies, size_t links, const newton_run *run);
+ * contacts in the bodies form; `torques` of the contacts are torques. */
+newton *newton_take(arena *a, uint32_t count, uint32_t bodies, uint32_t torques, size_t links,
+                    const newton_run *run);
 
 /* About how many sweeps take as long as a step on this problem. */
 double newton_price(newton *n, const system_problem *problem, const newton_run *run);

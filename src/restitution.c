@@ -98,6 +98,7 @@ static double part_without_friction(restitution *st, solver *s, const system_pro
     bare.q = st->q;
     bare.target = st->target;
     bare.mu = st->mu;
+    bare.lengths = NULL;
     const double distance = solver_solve(s, &bare, st->free_velocity, wanted, st->second);
     for (size_t i = 0; i < 3 * n; i++)
         st->second[i] = st->first[i] + (i % 3 == 0 ? st->second[i] : 0.0);

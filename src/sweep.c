@@ -1,5 +1,6 @@
 #include "sweep.h"
 
+#include "resist.h"
 #include "solve.h"
 #include "sweep_block.h"
 
@@ -25,6 +26,15 @@ typedef struct assembled {
     double scale, inverse_a, trace, det, mu_s, mu_d;
 } assembled;
 
+/* A contact and its torque; ends as in sweep_ends. Rows of both, of 6 numbers each: u = q + of_a x_a -
+ * of_b x_b, in the terms of sweep_block.h. */
+typedef struct sweep_six {
+    uint32_t contact, ends[2];
+    double of_ends[2][36];
+    double q[6], r[6];
+    resist_block block;
+} sweep_six;
+
 struct sweep {
     system_problem problem;
     const sweep_table *table; /* null: one contact after the other */
@@ -34,6 +44,8 @@ struct sweep {
     uint32_t *colour_of; /* of each contact; COLOURS: none */
     sweep_three *threes;
     sweep_one *ones;
+    sweep_six *sixes;
+    uint32_t six_count;
     uint32_t colour_count;
     uint32_t three_count, one_count; /* blocks */
     uint32_t last_three, last_one;   /* where the blocks begin whose lanes may share bodies */
@@ -59,7 +71,7 @@ static size_t block_limit(uint32_t count)
     return (twice < padded ? twice : padded) / LANES + 4;
 }
 
-size_t sweep_size(uint32_t count, uint32_t bodies)
+size_t sweep_size(uint32_t count, uint32_t bodies, uint32_t torques)
 {
     const size_t head = LINE + round_up(sizeof(sweep));
     if (bodies == 0) {
@@ -67,7 +79,7 @@ size_t sweep_size(uint32_t count, uint32_t bodies)
     }
     return head + round_up(((size_t)bodies + 1) * sizeof(sweep_body)) +
            round_up(COLOURS * sizeof(colour)) + round_up(count * sizeof(uint32_t)) +
-           block_limit(count) * sizeof(sweep_three);
+           block_limit(count) * sizeof(sweep_three) + round_up(torques * sizeof(sweep_six));
 }
 
 static void *take(unsigned char **at, size_t bytes)
@@ -87,6 +99,12 @@ static unsigned char *align_line(void *memory)
 static int is_one(const system_problem *problem, uint32_t c)
 {
     return problem->mu[2 * (size_t)c] == 0.0;
+}
+
+/* Torques are solved with their contacts, and these apart from all others. */
+static int is_apart(const system_problem *problem, uint32_t c)
+{
+    return resist_is_torque(problem, c) || resist_acts(problem, c);
 }
 
 /* The least colour that neither mask has, or COLOURS. */
@@ -116,6 +134,9 @@ static void find_colours(sweep *s)
     for (uint32_t c = 0; c < problem->count; c++) {
         const uint32_t *pair = problem->pairs + 2 * (size_t)c;
         uint64_t *mask[2] = {NULL, NULL};
+        if (is_apart(problem, c)) {
+            continue;
+        }
         for (int i = 0; i < 2; i++) {
             mask[i] = pair[i] == TRIBO_WORLD ? NULL : masks + WORDS * (size_t)pair[i];
         }
@@ -147,6 +168,9 @@ static void place_colours(sweep *s)
     for (uint32_t c = 0; c < problem->count; c++) {
         const uint32_t own = s->colour_of[c];
         const int one = is_one(problem, c);
+        if (is_apart(problem, c)) {
+            continue;
+        }
         if (own == COLOURS) {
             rest[one]++;
         } else {
@@ -362,6 +386,9 @@ static void fill_blocks(sweep *s)
     clear_threes(s);
     clear_ones(s);
     for (uint32_t c = 0; c < problem->count; c++) {
+        if (is_apart(problem, c)) {
+            continue;
+        }
         const uint32_t own = s->colour_of[c];
         const int one = is_one(problem, c);
         const colour *k = own < COLOURS ? s->colours + own : NULL;
@@ -383,6 +410,40 @@ static void fill_blocks(sweep *s)
     }
     for (uint32_t k = 0; k < s->one_count; k++) {
         mark_still(&s->ones[k].ends, problem->bodies);
+    }
+}
+
+/* Rows of contact c at one end. */
+static void fill_rows(const system_problem *problem, size_t c, size_t end, double rows[18])
+{
+    double turn[9];
+    turn_end(problem, problem->pairs[2 * c + end], problem->turns + 18 * c + 9 * end, turn);
+    for (size_t k = 0; k < 3; k++) {
+        for (size_t i = 0; i < 3; i++) {
+            rows[6 * k + i] = problem->frames[9 * c + 3 * k + i];
+            rows[6 * k + 3 + i] = turn[3 * k + i];
+        }
+    }
+}
+
+static void fill_sixes(sweep *s)
+{
+    const system_problem *problem = &s->problem;
+    uint32_t filled = 0;
+    for (uint32_t c = 0; c < problem->count; c++) {
+        if (!resist_acts(problem, c)) {
+            continue;
+        }
+        sweep_six *g = s->sixes + filled++;
+        g->contact = c;
+        for (size_t end = 0; end < 2; end++) {
+            const uint32_t body = problem->pairs[2 * (size_t)c + end];
+            g->ends[end] = body == TRIBO_WORLD ? problem->bodies : body;
+            fill_rows(problem, c, end, g->of_ends[end]);
+            fill_rows(problem, (size_t)c + 1, end, g->of_ends[end] + 18);
+        }
+        memcpy(g->q, problem->q + 3 * (size_t)c, sizeof g->q);
+        resist_fill(problem, c, 0.0, &g->block);
     }
 }
 
@@ -575,6 +636,86 @@ static void start_ones_alone(const sweep_one *blocks, uint32_t count, sweep_body
     }
 }
 
+/* Give the change d of impulse and torque to both bodies. */
+static void give_six(const sweep_six *g, const double d[6], sweep_body *x, uint32_t none)
+{
+    for (size_t end = 0; end < 2; end++) {
+        sweep_body *body = x + g->ends[end];
+        const double sign = end == 0 ? 1.0 : -1.0;
+        double sum[6] = {0.0};
+        if (g->ends[end] == none) {
+            continue;
+        }
+        for (size_t k = 0; k < 6; k++) {
+            for (size_t i = 0; i < 6; i++) {
+                sum[i] += g->of_ends[end][6 * k + i] * d[k];
+            }
+        }
+        for (int i = 0; i < 3; i++) {
+            body->v[i] += sign * body->inverse_mass * sum[i];
+            body->w[i] += sign * body->unit * sum[3 + i];
+        }
+    }
+}
+
+/* As sweep_change. */
+static double change_six(const sweep_six *g, const double d[6])
+{
+    double change = 0.0;
+    double size = 0.0;
+    double free = 0.0;
+    for (int k = 0; k < 6; k++) {
+        const double *w = g->block.w + 6 * k;
+        double x = 0.0;
+        double y = 0.0;
+        for (int i = 0; i < 6; i++) {
+            x += w[i] * d[i];
+            y += absolute(w[i] * g->r[i]);
+        }
+        change = greater(absolute(x), change);
+        size = greater(y, size);
+        free = greater(absolute(g->q[k]), free);
+    }
+    const double scale = free + size;
+    return change / (scale > 0.0 ? scale : change > 0.0 ? change : 1.0);
+}
+
+static double six_alone(sweep_six *g, sweep_body *x, uint32_t none, int measure)
+{
+    double ends[2][6];
+    double p[6];
+    double d[6];
+    load_body(x + g->ends[0], ends[0]);
+    load_body(x + g->ends[1], ends[1]);
+    for (int k = 0; k < 6; k++) {
+        double u = 0.0;
+        double own = 0.0;
+        for (int i = 0; i < 6; i++) {
+            u += g->of_ends[0][6 * k + i] * ends[0][i] - g->of_ends[1][6 * k + i] * ends[1][i];
+            own += g->block.w[6 * k + i] * g->r[i];
+        }
+        g->block.b[k] = g->q[k] + u - own;
+    }
+    memcpy(p, g->r, sizeof p);
+    const int solved = resist_solve(&g->block, p);
+    for (int k = 0; k < 6; k++) {
+        d[k] = p[k] - g->r[k];
+        g->r[k] = p[k];
+    }
+    give_six(g, d, x, none);
+    return !measure ? 0.0 : solved ? change_six(g, d) : 1.0;
+}
+
+static double sweep_sixes(sweep *s, int measure)
+{
+    double greatest = 0.0;
+    for (uint32_t k = 0; k < s->six_count; k++) {
+        greatest =
+            greater(six_alone(s->sixes + k, s->bodies, s->problem.bodies, measure), greatest);
+    }
+    return greatest;
+}
+
 static const sweep_table alone = {threes_alone, ones_alone, start_threes_alone, start_ones_alone};
 
 static const sweep_table *table_of(uint32_t isa)
@@ -653,7 +794,7 @@ static double sweep_rest(sweep *s, int measure)
                                  s->three_count - s->last_three, s->bodies, measure);
     const double y = alone.one(s->ones + s->last_one, s->one_count - s->last_one, s->bodies,
                                s->problem.bodies, measure);
-    return greater(x, y);
+    return greater(greater(x, y), sweep_sixes(s, measure));
 }
 
 /* Impulses into the blocks, and the bodies to what they give. */
@@ -680,6 +821,11 @@ static void load_impulses(sweep *s, const double *r)
     s->table->start_one(s->ones, s->last_one, s->bodies, none);
     alone.start_three(s->threes + s->last_three, s->three_count - s->last_three, s->bodies, none);
     alone.start_one(s->ones + s->last_one, s->one_count - s->last_one, s->bodies, none);
+    for (uint32_t k = 0; k < s->six_count; k++) {
+        sweep_six *g = s->sixes + k;
+        memcpy(g->r, r + 3 * (size_t)g->contact, sizeof g->r);
+        give_six(g, g->r, s->bodies, none);
+    }
 }
 
 static void store_impulses(const sweep *s, double *r)
@@ -700,6 +846,15 @@ static void store_impulses(const sweep *s, double *r)
             to[0] = g->r[i];
             to[1] = to[2] = 0.0;
         }
+    }
+    for (uint32_t c = 0; c < s->problem.count; c++) {
+        if (resist_is_torque(&s->problem, c)) {
+            memset(r + 3 * (size_t)c, 0, 3 * sizeof *r);
+        }
+    }
+    for (uint32_t k = 0; k < s->six_count; k++) {
+        const sweep_six *g = s->sixes + k;
+        memcpy(r + 3 * (size_t)g->contact, g->r, sizeof g->r);
     }
 }
 
@@ -974,6 +1129,11 @@ sweep *sweep_prepare(const system_problem *problem, uint32_t isa, void *memory)
     s->threes = take(&at, s->three_count * sizeof *s->threes);
     s->ones = take(&at, s->one_count * sizeof *s->ones);
     fill_blocks(s);
+    for (uint32_t c = 0; c < problem->count; c++) {
+        s->six_count += resist_acts(problem, c) ? 1 : 0;
+    }
+    s->sixes = take(&at, s->six_count * sizeof *s->sixes);
+    fill_sixes(s);
     return s;
 }
 

@@ -7,8 +7,8 @@
 typedef struct sweep sweep;
 
 /* Bytes that sweep_prepare takes; enough for any smaller system, too. bodies = 0: assembled
- * form. */
-size_t sweep_size(uint32_t count, uint32_t bodies);
+ * form. `torques` of the contacts are torques. */
+size_t sweep_size(uint32_t count, uint32_t bodies, uint32_t torques);
 
 /* Lay out the contacts of a problem for sweeps in `memory`, of any alignment. The arrays of the
  * problem must stay as they are while sweeps run.
@@ -18,7 +18,8 @@ size_t sweep_size(uint32_t count, uint32_t bodies);
  * the other. This order does not depend on isa or tasks. isa: one of TRIBO_ISA_... that is
  * available here. Assembled form: in the order of contacts.
  *
- * A contact with mu_s = 0 costs one row; its r_t is taken as 0. */
+ * A contact with mu_s = 0 costs one row; its r_t is taken as 0. Contacts with a torque come last of
+ * all, one after the other. */
 sweep *sweep_prepare(const system_problem *problem, uint32_t isa, void *memory);
 
 /* `sweeps` sweeps over all contacts. r: 3 per contact. v: 6 per body, the velocity that r gives

@@ -2,6 +2,7 @@
 
 #include "arena.h"
 #include "bits.h"
+#include "resist.h"
 #include "restitution.h"
 #include "solver.h"
 #include "sym3.h"
@@ -82,11 +83,16 @@ static tribo_status judge_place(const tribo_system_options *o, const void *works
 
 /* The problem with contacts and bodies in the order of their components, and all that solves it. */
 typedef struct plan {
-    uint32_t count, bodies, components;
+    uint32_t count, bodies, components; /* contacts and torques; bodies; components */
+    uint32_t contacts_given;
+    uint32_t torques;
     uint32_t assembled; /* the form: 1 has no bodies */
     size_t links;       /* blocks of W, or twice the contacts */
 
-    uint32_t *parent;       /* union-find; later: component of a body or contact */
+    uint32_t *parent; /* union-find; later: component of a body or contact */
+    uint32_t *source; /* contact that an item of `order` is of: twice its number, torques 1 more */
+    uint32_t *torque; /* null, or 1 for places that hold a torque */
+    double *lengths, *arms; /* of torques: 2 and 1 per place */
     uint32_t *order, *rank; /* contact of a place; place of a contact, later place in component */
     uint32_t *starts;       /* components: first contact */
     uint32_t *body_order, *body_rank, *body_starts;
@@ -133,12 +139,13 @@ static void take_shared(plan *p, arena *a, const tribo_system_options *o)
     p->solver.best = numbers(a, 3 * n);
     p->solver.swept = numbers(a, 3 * n);
     p->solver.mu = numbers(a, 2 * n);
-    p->solver.sweep_memory = arena_take(a, sweep_size(p->count, p->bodies), 1);
+    p->solver.sweep_memory = arena_take(a, sweep_size(p->count, p->bodies, p->torques), 1);
     p->solver.run.dense_limit = o->dense_limit;
     p->solver.run.linear = o->linear;
     p->solver.run.isa = o->isa;
     if (o->solver != TRIBO_SOLVER_GAUSS_SEIDEL)
-        p->solver.newton = newton_take(a, p->count, p->bodies, p->links, &p->solver.run);
+        p->solver.newton =
+            newton_take(a, p->count, p->bodies, p->torques, p->links, &p->solver.run);
 }
 
 static void take_bodies(plan *p, arena *a)
@@ -159,6 +166,12 @@ static void take_bodies(plan *p, arena *a)
     p->free_velocity = numbers(a, 6 * bodies);
     p->matrices = numbers(a, 6 * n);
     p->contacts = arena_take(a, n, sizeof(tribo_contact));
+    if (p->torques > 0) {
+        p->source = indices(a, n);
+        p->torque = indices(a, n);
+        p->lengths = numbers(a, 2 * n);
+        p->arms = numbers(a, n);
+    }
     restitution_take(&p->stage, a, p->count, p->bodies);
 }
 
@@ -253,6 +266,12 @@ static int is_within(size_t body_count, const tribo_system_contact *c)
     return (c->a == TRIBO_WORLD || c->a < body_count) && (c->b == TRIBO_WORLD || c->b < body_count);
 }
 
+/* Whether a contact passes a torque. */
+static int resists(const tribo_system_contact *c)
+{
+    return c->dimension == 3 && (c->rolling > 0.0 || c->spinning > 0.0);
+}
+
 static tribo_status judge_contact(size_t body_count, const tribo_system_contact *c)
 {
     if (!is_within(body_count, c))
@@ -261,8 +280,10 @@ static tribo_status judge_contact(size_t body_count, const tribo_system_contact 
         return c->a == TRIBO_WORLD ? TRIBO_ERROR_IMMOVABLE : TRIBO_ERROR_ALIAS;
     if ((c->dimension != 1 && c->dimension != 3) || c->reserved != 0)
         return TRIBO_ERROR_OPTION;
-    if (!all_finite(c->target, 3))
+    if (!all_finite(c->target, 3) || !all_finite(&c->rolling, 1) || !all_finite(&c->spinning, 1))
         return TRIBO_ERROR_NOT_FINITE;
+    if (c->rolling < 0.0 || c->spinning < 0.0)
+        return TRIBO_ERROR_FRICTION;
     return tribo_material_check(&c->pair);
 }
 
@@ -287,12 +308,46 @@ static uint32_t mover(const tribo_body *bodies, uint32_t body)
     return body != TRIBO_WORLD && is_movable(&bodies[body]) ? body : TRIBO_WORLD;
 }
 
+/* The contact whose impulse or torque has a place. */
+static uint32_t contact_of(const plan *p, size_t place)
+{
+    const uint32_t item = p->order[place];
+    return p->source != NULL ? p->source[item] / 2 : item;
+}
+
+static int is_torque(const plan *p, size_t place)
+{
+    return p->torque != NULL && p->torque[place] != 0;
+}
+
+/* A torque comes right behind its contact. */
+static void sort_contacts(plan *p, const tribo_body *bodies, const tribo_system_contact *contacts)
+{
+    uint32_t items = 0;
+
+    for (uint32_t c = 0; c < p->contacts_given; c++) {
+        const uint32_t a = mover(bodies, contacts[c].a);
+        const uint32_t b = mover(bodies, contacts[c].b);
+        const uint32_t own = a != TRIBO_WORLD ? a : b;
+        const uint32_t end = items + (p->source != NULL && resists(&contacts[c]) ? 2 : 1);
+        for (uint32_t k = 0; items < end; items++, k++) {
+            /* A contact of nothing that moves stands first and is refused by its matrix. */
+            p->symmetric[items] = own != TRIBO_WORLD ? p->parent[own] : 0;
+            if (p->source != NULL)
+                p->source[items] = 2 * c + k;
+        }
+    }
+    sort_items(p->count, p->components, p->symmetric, p->starts, p->order, p->rank);
+    for (size_t i = 0; p->torque != NULL && i < p->count; i++)
+        p->torque[i] = p->source[p->order[i]] % 2;
+}
+
 /* Components of the bodies that move, and the places of bodies and contacts. */
 static void arrange_bodies(plan *p, const tribo_body *bodies, const tribo_system_contact *contacts)
 {
     for (uint32_t i = 0; i < p->bodies; i++)
         p->parent[i] = i;
-    for (size_t c = 0; c < p->count; c++) {
+    for (size_t c = 0; c < p->contacts_given; c++) {
         const uint32_t a = mover(bodies, contacts[c].a);
         const uint32_t b = mover(bodies, contacts[c].b);
         if (a != TRIBO_WORLD && b != TRIBO_WORLD)
@@ -304,14 +359,7 @@ static void arrange_bodies(plan *p, const tribo_body *bodies, const tribo_system
             p->parent[i] = UINT32_MAX;
     }
     sort_items(p->bodies, p->components, p->parent, p->body_starts, p->body_order, p->body_rank);
-    for (size_t c = 0; c < p->count; c++) {
-        const uint32_t a = mover(bodies, contacts[c].a);
-        const uint32_t b = mover(bodies, contacts[c].b);
-        const uint32_t own = a != TRIBO_WORLD ? a : b;
-        /* A contact of nothing that moves stands first and is refused by its matrix. */
-        p->symmetric[c] = own != TRIBO_WORLD ? p->parent[own] : 0;
-    }
-    sort_items(p->count, p->components, p->symmetric, p->starts, p->order, p->rank);
+    sort_contacts(p, bodies, contacts);
 }
 
 static void turn_of(const double *frame, const double arm[3], double turn[9])
@@ -359,11 +407,78 @@ static void lay_contact(plan *p, size_t place, const tribo_body *bodies,
     }
 }
 
+/* W of a torque, for an arm of 1. */
+static void turn_matrix(const uint32_t sides[2], const tribo_body *bodies, const double frame[9],
+                        double w[9])
+{
+    for (int i = 0; i < 9; i++)
+        w[i] = 0.0;
+    for (int side = 0; side < 2; side++) {
+        const uint32_t body = mover(bodies, sides[side]);
+        double j[6];
+        if (body == TRIBO_WORLD)
+            continue;
+        tribo_body_world_inverse_inertia(&bodies[body], j);
+        for (int k = 0; k < 3; k++) {
+            double x[3];
+            tribo_sym3_apply(j, frame + 3 * k, x);
+            for (int i = 0; i <= k; i++)
+                w[3 * i + k] = w[3 * k + i] += tribo_vec3_dot(frame + 3 * i, x);
+        }
+    }
+}
+
+/* The power of two that makes the torque's part of W as great as the contact's, to a factor of 4. */
+static double arm_of(const double w[9], const double turning[9], const double lengths[2])
+{
+    const double most = greater(w[0], greater(w[4], w[8]));
+    const double most_turning = greater(turning[0], greater(turning[4], turning[8]));
+    const uint64_t e = scale_exponent(most);
+    const uint64_t f = scale_exponent(most_turning);
+
+    if (!(most_turning > 0.0))
+        return 1.0 / power_of_two(scale_exponent(greater(lengths[0], lengths[1])));
+    return power_of_two((f + 2046u - e) / 2u);
+}
+
+/* The torque of the contact at the place before, whose frame is still here. */
+static void lay_torque(plan *p, size_t place, const tribo_body *bodies,
+                       const tribo_system_contact *given)
+{
+    static const double none[3] = {0.0, 0.0, 0.0};
+    const uint32_t sides[2] = {given->a, given->b};
+    double *frame = p->frames + 9 * place;
+    double *turns = p->turns + 18 * place;
+    double *w = p->diagonal + 9 * place;
+    double *lengths = p->lengths + 2 * place;
+
+    lengths[0] = given->spinning;
+    lengths[1] = given->rolling;
+    turn_matrix(sides, bodies, frame, w);
+    const double arm = arm_of(p->diagonal + 9 * (place - 1), w, lengths);
+    p->arms[place] = arm;
+    for (size_t k = 0; k < 9; k++) {
+        turns[k] = turns[9 + k] = arm * frame[k];
+        w[k] *= arm * arm;
+        frame[k] = 0.0;
+    }
+    for (size_t k = 0; k < 3; k++) {
+        const double *a = sides[0] != TRIBO_WORLD ? bodies[sides[0]].angular_velocity : none;
+        const double *b = sides[1] != TRIBO_WORLD ? bodies[sides[1]].angular_velocity : none;
+        p->target[3 * place + k] = 0.0;
+        p->q[3 * place + k] = tribo_vec3_dot(turns + 3 * k, a) - tribo_vec3_dot(turns + 3 * k, b);
+    }
+    lengths[0] /= arm;
+    lengths[1] /= arm;
+    p->symmetric[place] = 1;
+    p->mu[2 * place] = p->mu[2 * place + 1] = p->restitution[place] = 0.0;
+}
+
 static tribo_status lay_bodies(plan *p, const tribo_body *bodies,
                                const tribo_system_contact *contacts)
 {
     for (size_t i = 0; i < p->count; i++) {
-        const tribo_system_contact *given = &contacts[p->order[i]];
+        const tribo_system_contact *given = &contacts[contact_of(p, i)];
         p->pairs[2 * i] = given->a;
         p->pairs[2 * i + 1] = given->b;
         p->contacts[i] = given->contact;
@@ -376,7 +491,9 @@ static tribo_status lay_bodies(plan *p, const tribo_body *bodies,
     for (size_t i = 0; i < p->count; i++) {
         if (!(p->matrices[6 * i] > 0.0))
             return TRIBO_ERROR_IMMOVABLE;
-        lay_contact(p, i, bodies, &contacts[p->order[i]]);
+        lay_contact(p, i, bodies, &contacts[contact_of(p, i)]);
+        if (is_torque(p, i))
+            lay_torque(p, i, bodies, &contacts[contact_of(p, i)]);
         if (!all_finite(p->q + 3 * i, 3) || !all_finite(p->diagonal + 9 * i, 9))
             return TRIBO_ERROR_RANGE;
     }
@@ -404,6 +521,8 @@ static system_problem whole_problem(const plan *p)
     out.inverse_mass = p->inverse_mass;
     out.inverse_inertia = p->inverse_inertia;
     out.target = p->target;
+    out.torque = p->torque;
+    out.lengths = p->lengths;
     out.row_starts = p->row_starts;
     out.columns = p->columns;
     out.blocks = p->blocks;
@@ -431,6 +550,10 @@ static system_problem component_problem(const plan *p, uint32_t component)
         out.frames += 9 * first;
         out.turns += 18 * first;
         out.target += 3 * first;
+        if (p->torque != NULL) {
+            out.torque += first;
+            out.lengths += 2 * first;
+        }
         out.inverse_mass += body;
         out.inverse_inertia += 6 * body;
     } else {
@@ -466,7 +589,7 @@ static double greatest_speed(const system_problem *problem)
 static int separates(const system_problem *problem)
 {
     for (size_t c = 0; c < problem->count; c++) {
-        if (problem->q[3 * c] < 0.0)
+        if (problem->q[3 * c] < 0.0 && !resist_is_torque(problem, c))
             return 0;
     }
     return 1;
@@ -519,8 +642,13 @@ static void solve_all(plan *p, const tribo_system_options *o, const double *star
     p->solver.run.most_steps = o->max_iterations;
     p->solver.start = solver_now(o);
     for (size_t i = 0; i < p->count; i++) {
-        for (size_t k = 0; k < 3; k++)
-            p->r[3 * i + k] = o->warm_start != 0 ? start[3 * (size_t)p->order[i] + k] : 0.0;
+        const int turns = is_torque(p, i);
+        const double *given = turns ? o->torques : start;
+        for (size_t k = 0; k < 3; k++) {
+            const double r =
+                o->warm_start != 0 && given != NULL ? given[3 * (size_t)contact_of(p, i) + k] : 0.0;
+            p->r[3 * i + k] = turns ? r / p->arms[i] : r;
+        }
     }
     const goal wanted = whole_goal(p, o);
     for (uint32_t i = 0; i < p->components && p->solver.status == TRIBO_OK; i++) {
@@ -543,16 +671,27 @@ static int certify(plan *p, tribo_system_info *info)
            all_finite(&info->eta, 1);
 }
 
-static void give_impulses(const plan *p, double *impulses)
+static void give_impulses(const plan *p, const tribo_system_options *o, double *impulses)
 {
-    for (size_t i = 0; i < p->count; i++)
-        memcpy(impulses + 3 * (size_t)p->order[i], p->r + 3 * i, 3 * sizeof *impulses);
+    const int tell = p->assembled == 0 && o->torques != NULL;
+
+    for (size_t i = 0; tell && i < 3 * (size_t)p->contacts_given; i++)
+        o->torques[i] = 0.0;
+    for (size_t i = 0; i < p->count; i++) {
+        const size_t to = 3 * (size_t)contact_of(p, i);
+        if (!is_torque(p, i))
+            memcpy(impulses + to, p->r + 3 * i, 3 * sizeof *impulses);
+        for (size_t k = 0; k < 3 && tell && is_torque(p, i); k++)
+            o->torques[to + k] = p->arms[i] * p->r[3 * i + k];
+    }
 }
 
-static tribo_status judge_start(const tribo_system_options *o, size_t count, const double *start)
+static tribo_status judge_start(const plan *p, const tribo_system_options *o, const double *start)
 {
-    for (size_t i = 0; o->warm_start != 0 && i < 3 * count; i++) {
-        if (!all_finite(start + i, 1))
+    const int turns = p->torques > 0 && o->torques != NULL;
+
+    for (size_t i = 0; o->warm_start != 0 && i < 3 * (size_t)p->contacts_given; i++) {
+        if (!all_finite(start + i, 1) || (turns && !all_finite(o->torques + i, 1)))
             return TRIBO_ERROR_NOT_FINITE;
     }
     return TRIBO_OK;
@@ -561,16 +700,22 @@ static tribo_status judge_start(const tribo_system_options *o, size_t count, con
 /* ---- bodies form: the calls ------------------------------------------------------------------ */
 
 static tribo_status plan_bodies(plan *p, arena *a, size_t body_count, size_t count,
-                                const tribo_system_options *o, size_t *size)
+                                const tribo_system_contact *contacts, const tribo_system_options *o,
+                                size_t *size)
 {
     const plan none = {0};
+    size_t torques = 0;
 
-    if (body_count > MOST_COUNT / 6 || count > MOST_COUNT / 6)
+    for (size_t i = 0; i < count; i++)
+        torques += resists(&contacts[i]) ? 1 : 0;
+    if (body_count > MOST_COUNT / 6 || count + torques > MOST_COUNT / 6)
         return TRIBO_ERROR_CAPACITY;
     *p = none;
     p->bodies = (uint32_t)body_count;
-    p->count = (uint32_t)count;
-    p->links = 2 * count;
+    p->contacts_given = (uint32_t)count;
+    p->torques = (uint32_t)torques;
+    p->count = p->contacts_given + p->torques;
+    p->links = 2 * (size_t)p->count;
     return measure(p, a, o, size);
 }
 
@@ -587,7 +732,7 @@ tribo_status tribo_system_workspace_size(size_t body_count, size_t count,
         return TRIBO_ERROR_NULL;
     tribo_status status = read_options(options, &o);
     if (status == TRIBO_OK)
-        status = plan_bodies(&p, &counting, body_count, count, &o, &needed);
+        status = plan_bodies(&p, &counting, body_count, count, contacts, &o, &needed);
     for (size_t i = 0; status == TRIBO_OK && i < count; i++)
         status = is_within(body_count, &contacts[i]) ? TRIBO_OK : TRIBO_ERROR_INDEX;
     if (status == TRIBO_OK)
@@ -633,6 +778,11 @@ static void momentum_of_world(const plan *p, size_t c, const tribo_body *bodies,
     double point[3];
     double moment[3];
 
+    if (is_torque(p, c)) {
+        tribo_mat3_apply_transposed(p->turns + 18 * c, p->r + 3 * c, moment);
+        tribo_vec3_add_scaled(sums + 3, side == 0 ? -1.0 : 1.0, moment, sums + 3);
+        return;
+    }
     tribo_mat3_apply_transposed(p->frames + 9 * c, p->r + 3 * c, impulse);
     tribo_vec3_scale(side == 0 ? -1.0 : 1.0, impulse, impulse);
     tribo_vec3_add(bodies[body].position, arm, point);
@@ -686,10 +836,10 @@ static tribo_status solve_bodies(plan *p, const tribo_system_options *o, const t
                                  const tribo_system_contact *contacts, double *impulses,
                                  double *velocities, tribo_system_info *whole)
 {
-    tribo_status status = judge_bodies(p->bodies, bodies, p->count, contacts);
+    tribo_status status = judge_bodies(p->bodies, bodies, p->contacts_given, contacts);
 
     if (status == TRIBO_OK)
-        status = judge_start(o, p->count, impulses);
+        status = judge_start(p, o, impulses);
     if (status != TRIBO_OK)
         return status;
     arrange_bodies(p, bodies, contacts);
@@ -703,7 +853,7 @@ static tribo_status solve_bodies(plan *p, const tribo_system_options *o, const t
         return TRIBO_ERROR_RANGE;
     momentum(p, bodies, whole);
     whole->seconds = solver_now(o) - p->solver.start;
-    give_impulses(p, impulses);
+    give_impulses(p, o, impulses);
     return TRIBO_OK;
 }
 
@@ -729,7 +879,7 @@ tribo_status tribo_system_solve(size_t body_count, const tribo_body *bodies, siz
         status = judge_place(&o, workspace, size, needed);
     if (status != TRIBO_OK)
         return status;
-    plan_bodies(&p, &places, body_count, count, &o, &needed);
+    plan_bodies(&p, &places, body_count, count, contacts, &o, &needed);
     status = solve_bodies(&p, &o, bodies, contacts, impulses, velocities, &whole);
     whole.bytes = needed;
     if (status == TRIBO_OK)
@@ -782,7 +932,7 @@ static tribo_status plan_blocks(plan *p, arena *a, size_t count, const uint32_t 
     if (count > MOST_COUNT / 6)
         return TRIBO_ERROR_CAPACITY;
     *p = none;
-    p->count = (uint32_t)count;
+    p->count = p->contacts_given = (uint32_t)count;
     p->assembled = 1;
     p->links = row_starts != NULL ? row_starts[count] : count * count;
     if (p->links > MOST_COUNT / 9)
@@ -928,7 +1078,7 @@ static tribo_status solve_blocks(plan *p, const tribo_system_options *o, const a
     tribo_status status = judge_blocks(p, given);
 
     if (status == TRIBO_OK)
-        status = judge_start(o, p->count, impulses);
+        status = judge_start(p, o, impulses);
     if (status != TRIBO_OK)
         return status;
     arrange_blocks(p, given);
@@ -939,7 +1089,7 @@ static tribo_status solve_blocks(plan *p, const tribo_system_options *o, const a
     if (!certify(p, whole))
         return TRIBO_ERROR_RANGE;
     whole->seconds = solver_now(o) - p->solver.start;
-    give_impulses(p, impulses);
+    give_impulses(p, o, impulses);
     for (size_t i = 0; velocities != NULL && i < p->count; i++)
         memcpy(velocities + 3 * (size_t)p->order[i], p->solver.u + 3 * i, 3 * sizeof *velocities);
     return TRIBO_OK;

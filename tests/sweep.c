@@ -32,7 +32,7 @@ static void set_up(trial *t, uint32_t isa)
     const system_problem *p = &t->coupled.problem;
     t->count = p->count;
     t->bodies = p->bodies;
-    t->memory = malloc(sweep_size(p->count, p->bodies));
+    t->memory = malloc(sweep_size(p->count, p->bodies, 0));
     assert_non_null(t->memory);
     t->sweep = sweep_prepare(p, isa, t->memory);
     t->r = zeros(3 * t->count);
@@ -298,7 +298,7 @@ static void test_runs_add_up(void **state)
     open_scene(&scene, TRIBO_ISA_BEST, &whole);
     open_scene(&scene, TRIBO_ISA_BEST, &parts);
     free(parts.memory);
-    parts.memory = malloc(sweep_size((uint32_t)parts.count, (uint32_t)parts.bodies) + 8);
+    parts.memory = malloc(sweep_size((uint32_t)parts.count, (uint32_t)parts.bodies, 0) + 8);
     parts.sweep =
         sweep_prepare(&parts.coupled.problem, TRIBO_ISA_BEST, (unsigned char *)parts.memory + 8);
     run(&whole, 12);

@@ -80,7 +80,8 @@ enum {
     TRIBO_ERROR_DEGENERATE = 34,  /**< points span no volume, or no triangle has an area */
     TRIBO_ERROR_SUPPORT = 35,     /**< a user's support function contradicts itself */
     TRIBO_ERROR_PAIR = 36,     /**< these two kinds of shapes cannot be tested against each other */
-    TRIBO_ERROR_FRICTION = 40, /**< mu_s < 0, mu_d < 0 or mu_s < mu_d */
+    TRIBO_ERROR_FRICTION = 40, /**< mu_s < 0, mu_d < 0, mu_s < mu_d, or a length of rolling or
+                                    spinning resistance < 0 */
     TRIBO_ERROR_RESTITUTION = 41,    /**< e lies outside of [0, 1] (tangential: [-1, 1]) */
     TRIBO_ERROR_CONTACT_MATRIX = 50, /**< the contact matrix is not positive semidefinite */
     TRIBO_ERROR_IMMOVABLE = 51,      /**< neither body can move at the contact along the normal */

@@ -17,6 +17,18 @@
  * Static friction above dynamic friction: a contact that sticks may need up to mu_s r_n; one that
  * slides has |r_t| = mu_d r_n.
  *
+ * Rolling and spinning resistance: a contact may also pass a torque tau (N m s as impulse, on A, in
+ * contact coordinates) that its two lengths bound,
+ *
+ *   |tau_t| <= rolling r_n,  and = rolling r_n, opposite to omega_t, where omega_t is not 0,
+ *   |tau_n| <= spinning r_n, and = spinning r_n, opposite to omega_n, where omega_n is not 0,
+ *
+ * omega = omega_A - omega_B. With u' = u + (mu |u_t| + rolling |omega_t| + spinning |omega_n|) e_n
+ * this is complementarity on one cone of r and tau (Acary & Bourrier, Eur. J. Mech. A/Solids 85 (2021)
+ * 104046, for rolling). An implicit law: what it stops, stands still and does not turn back. What it
+ * costs is paid where it is set: a contact with both lengths 0 has the rows, the bits and the price
+ * that it has without them.
+ *
  * Memory is the caller's: ask for the size, give a buffer. Nothing is kept between calls but what
  * the caller keeps (impulses for a warm start). See base.h for the rules on aliasing and threads.
  */
@@ -29,17 +41,23 @@
 extern "C" {
 #endif
 
-/** One contact between two bodies of a system. 136 bytes. */
+/** One contact between two bodies of a system. 152 bytes.
+ *
+ *  Rows: one with dimension 1, or with mu_s = 0 and both lengths 0; three with friction; six with
+ *  a length > 0. An axis whose length is 0 has no torque. */
 typedef struct tribo_system_contact {
     uint32_t a;            /**< index of body A, or TRIBO_WORLD */
     uint32_t b;            /**< index of body B, or TRIBO_WORLD; not that of A */
-    uint32_t dimension;    /**< 3; or 1: frictionless, one row whatever the pair's friction is */
+    uint32_t dimension;    /**< 3; or 1: frictionless, one row whatever the pair's friction and the
+                                lengths are */
     uint32_t reserved;     /**< 0 */
     tribo_contact contact; /**< normal and arms */
     tribo_material pair;   /**< mu_s, mu_d, e */
     double target[3];      /**< m/s, in contact coordinates: u - target takes the place of u in the
                                laws of contact. Normal: -g/dt lets a gap g close and no more;
                                tangential: the speed of a belt */
+    double rolling;        /**< m, >= 0: greatest torque about a tangent, of r_n; 0: none */
+    double spinning;       /**< m, >= 0: greatest torque about the normal, of r_n; 0: none */
 } tribo_system_contact;
 
 /** Solvers. */
@@ -80,6 +98,15 @@ enum {
  *  velocity counts in full: over V in eta, squared in the sums of invariant and siconos. One-row
  *  contacts are judged as contacts without friction. With restitution the measures judge the plastic
  *  solution that it is built on.
+ *
+ *  The torque of a contact with a length is judged beside its impulse, and the worse of the two counts:
+ *  eta is |tau - P(tau - s omega)| / T with P the nearest torque within the bounds, 1 / s the greatest
+ *  diagonal entry of its 3x3 matrix W_tau (omega = W_tau tau + ...), T = s Omega, and Omega the scale of
+ *  omega as V is that of u, with V / arm added to it. The arm, of the radius of gyration that the bodies
+ *  have at the contact, is the power of two that brings the greatest entry on the diagonal of W_tau
+ *  arm^2 to within [1/4, 1] of that of W_cc. Sums over contacts (invariant, siconos, energy_scale, |q|)
+ *  take arm omega for one more u and tau / arm for its r. Cone is max(0, |tau| - bound) / T,
+ *  misalignment | |omega| tau + bound omega | / (T Omega).
  *
  *  TRIBO_STOP_TOLERANCE by eta also promises eta V <= a tenth of the greatest |q|: where impulses
  *  grow without bound, eta falls though nothing is solved. */
@@ -167,6 +194,9 @@ typedef struct tribo_system_options {
     tribo_parallel_function parallel; /**< may be null: all in the caller's thread */
     tribo_clock_function clock;       /**< may be null: no time is measured */
     void *user;                       /**< handed to progress, parallel and clock */
+    double *torques; /**< width 3: receives the torques on A of all contacts, N m s; 0 where both
+                          lengths are 0. Holds their start if warm_start is 1. May be null: not told,
+                          start from 0. Bodies form only */
 } tribo_system_options;
 
 /** Bytes of workspace for tribo_system_solve.
@@ -194,8 +224,8 @@ TRIBO_API tribo_status tribo_system_workspace_size(size_t body_count, size_t cou
  *  @return TRIBO_OK whatever the certificate says: see info->stop; TRIBO_ERROR_NULL,
  *          TRIBO_ERROR_STRUCT_SIZE, TRIBO_ERROR_OPTION, TRIBO_ERROR_ISA, TRIBO_ERROR_INDEX,
  *          TRIBO_ERROR_ALIAS (A is B), TRIBO_ERROR_CAPACITY (workspace), TRIBO_ERROR_NOT_FINITE, a
- *          status of tribo_body_check, tribo_material_check, TRIBO_ERROR_NORMAL,
- *          TRIBO_ERROR_IMMOVABLE (neither body of a contact can move along its normal),
+ *          status of tribo_body_check, tribo_material_check, TRIBO_ERROR_FRICTION (a length < 0),
+ *          TRIBO_ERROR_NORMAL, TRIBO_ERROR_IMMOVABLE (neither body of a contact can move along its normal),
  *          TRIBO_ERROR_RANGE (numbers beyond double), or a status of options->linear. */
 TRIBO_API tribo_status tribo_system_solve(size_t body_count, const tribo_body *bodies, size_t count,
                                           const tribo_system_contact *contacts,

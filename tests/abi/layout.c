@@ -173,6 +173,8 @@ static void print_system(void)
     FIELD(tribo_system_contact, contact);
     FIELD(tribo_system_contact, pair);
     FIELD(tribo_system_contact, target);
+    FIELD(tribo_system_contact, rolling);
+    FIELD(tribo_system_contact, spinning);
     CONSTANT(TRIBO_SOLVER_AUTO);
     CONSTANT(TRIBO_SOLVER_GAUSS_SEIDEL);
     CONSTANT(TRIBO_SOLVER_NEWTON);

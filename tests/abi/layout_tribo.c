@@ -213,6 +213,7 @@ static void print_system(void)
     FIELD(tribo_system_options, parallel);
     FIELD(tribo_system_options, clock);
     FIELD(tribo_system_options, user);
+    FIELD(tribo_system_options, torques);
 }
 
 int main(void)

@@ -351,7 +351,7 @@ static void run_row(const ground *g, uint32_t isa, uint32_t threads, double *r)
 {
     const system_problem *problem = &g->c.problem;
     const size_t bytes = 3 * (size_t)problem->count * sizeof *r;
-    void *memory = allocate(sweep_size(problem->count, problem->bodies));
+    void *memory = allocate(sweep_size(problem->count, problem->bodies, 0));
     double *first = allocate(bytes);
     const double begun = now(CLOCK_THREAD_CPUTIME_ID);
     sweep *s = sweep_prepare(problem, isa, memory);
@@ -379,7 +379,7 @@ static void run_scene(const char *name, void (*make)(systems_scene *out, size_t 
     const system_problem *problem = &g.c.problem;
     const size_t bytes = 3 * scene.count * sizeof(double);
     double *r = allocate(bytes);
-    void *memory = allocate(sweep_size(problem->count, problem->bodies));
+    void *memory = allocate(sweep_size(problem->count, problem->bodies, 0));
     sweep *s = sweep_prepare(problem, TRIBO_ISA_BEST, memory);
     sweep_run(s, 10, r, NULL, NULL, NULL, 1);
     g.start = allocate(bytes);

@@ -169,6 +169,8 @@ void systems_scale(systems_scene *scene, int length, int mass, int time)
         scale(scene->contacts[i].contact.arm_a, 3, length);
         scale(scene->contacts[i].contact.arm_b, 3, length);
         scale(scene->contacts[i].target, 3, length - time);
+        scale(&scene->contacts[i].rolling, 1, length);
+        scale(&scene->contacts[i].spinning, 1, length);
     }
 }
 
