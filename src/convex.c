@@ -44,6 +44,7 @@ enum {
 };
 
 #define SAME_WAY 0.99 /* cosine */
+#define CLEAR 1e-8    /* of the lesser radius: a shorter way between two points has noise */
 #define SAME 1e-9     /* of the reach: by so much two supports may contradict each other */
 
 /* How w rises around a local minimum n where M is smooth, or smooth along a kink. */
@@ -337,16 +338,31 @@ static void offer_segment(nearest *best, double p[4][3], int i, int j)
     }
 }
 
+/* Edges of a triangle, and across it the product of the two shorter ones: long ones that are nearly
+ * parallel would lose it. Returns the square of the product of their lengths. */
+static double measure(const double a[3], const double b[3], const double c[3], double e[3][3],
+                      double n[3])
+{
+    tribo_vec3_subtract(b, a, e[0]);
+    tribo_vec3_subtract(c, b, e[1]);
+    tribo_vec3_subtract(a, c, e[2]);
+    const double square[3] = {tribo_vec3_dot(e[0], e[0]), tribo_vec3_dot(e[1], e[1]),
+                              tribo_vec3_dot(e[2], e[2])};
+    const int middle = square[1] > square[0] ? 1 : 0;
+    const int longest = square[2] > square[middle] ? 2 : middle;
+    const int after = (longest + 1) % 3;
+    const int last = (longest + 2) % 3;
+    tribo_vec3_cross(e[after], e[last], n);
+    return square[after] * square[last];
+}
+
 /* The triangle if the origin projects into it, else its edges. */
 static void offer_triangle(nearest *best, double p[4][3], int i, int j, int k)
 {
     double e[3][3];
     double n[3];
     double t[3];
-    tribo_vec3_subtract(p[j], p[i], e[0]);
-    tribo_vec3_subtract(p[k], p[j], e[1]);
-    tribo_vec3_subtract(p[i], p[k], e[2]);
-    tribo_vec3_cross(e[0], e[1], n);
+    (void)measure(p[i], p[j], p[k], e, n);
     const double area = tribo_vec3_dot(n, n);
     const int at[3] = {i, j, k};
     int inside = area > 0.0;
@@ -368,22 +384,22 @@ static void offer_triangle(nearest *best, double p[4][3], int i, int j, int k)
     }
 }
 
-/* 1 if the faces that see the origin have been offered, 0 if none does: it lies inside. */
+/* 1 if the faces that see the origin have been offered, 0 if none does: it lies inside. Of a vertex
+ * that is in the plane of a face to rounding, the face may see it. */
 static int offer_tetrahedron(nearest *best, double p[4][3])
 {
     static const int face[4][4] = {{0, 1, 2, 3}, {0, 1, 3, 2}, {0, 2, 3, 1}, {1, 2, 3, 0}};
     int seen = 0;
     for (int f = 0; f < 4; f++) {
         const int *at = face[f];
-        double ab[3];
-        double ac[3];
+        double e[3][3];
         double ad[3];
         double n[3];
-        tribo_vec3_subtract(p[at[1]], p[at[0]], ab);
-        tribo_vec3_subtract(p[at[2]], p[at[0]], ac);
+        const double square = measure(p[at[0]], p[at[1]], p[at[2]], e, n);
         tribo_vec3_subtract(p[at[3]], p[at[0]], ad);
-        tribo_vec3_cross(ab, ac, n);
-        if (!(tribo_vec3_dot(n, ad) * tribo_vec3_dot(n, p[at[0]]) < 0.0)) {
+        const double volume = tribo_vec3_dot(n, ad);
+        const double noise = PAIR_ROUNDING * PAIR_ROUNDING * square * tribo_vec3_dot(ad, ad);
+        if (volume * volume <= noise || !(volume * tribo_vec3_dot(n, p[at[0]]) < 0.0)) {
             offer_triangle(best, p, at[0], at[1], at[2]);
             seen = 1;
         }
@@ -590,7 +606,8 @@ static int descend(search *s)
     (void)support(s, s->normal, x.p[0]);
     for (int k = 0; !s->fault && !apart(s); k++) {
         const double width = s->width;
-        const int outside = width < -64.0 * s->rounding; /* the origin, of M: nothing has to move */
+        const int outside =
+            width < 0.0 - CLEAR * s->small; /* the origin, of M: nothing has to move */
         if (k >= DESCENTS && !outside) {
             break;
         }
