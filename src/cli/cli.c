@@ -84,6 +84,14 @@ int cli_number(const char *option, const char *text, double *number)
     return 0;
 }
 
+const char *cli_stop_name(uint32_t stop)
+{
+    static const char *const names[] = {"tolerance", "iterations", "time",
+                                        "cancel",    "stall",      "jam"};
+
+    return stop < sizeof names / sizeof names[0] ? names[stop] : "unknown";
+}
+
 int cli_positive(const char *option, const char *text, double *number)
 {
     if (cli_number(option, text, number) != 0)

@@ -44,6 +44,9 @@ extern const char *const cli_solver_names[CLI_SOLVERS];
 /** Find the number of the solver called `name`; -1 after a message that lists the names. */
 int cli_solver_find(const char *name, uint32_t *solver);
 
+/** "tolerance", "iterations", "time", "cancel", "stall" or "jam": names of TRIBO_STOP_... */
+const char *cli_stop_name(uint32_t stop);
+
 /** Read the whole of `text` as a finite number; -1 after a message that names `option`. */
 int cli_number(const char *option, const char *text, double *number);
 

@@ -34,8 +34,12 @@ static const char USAGE[] =
 
 static const char CSV_HEADER[] = "time,body,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz\n";
 
-const scene_group *const scene_groups[SCENE_GROUPS] = {&scenes_impact, &scenes_slide,
-                                                           &scenes_limit};
+const scene_group *const scene_groups[SCENE_GROUPS] = {
+    &scenes_impact,
+    &scenes_slide,
+    &scenes_limit,
+    &scenes_simbench,
+};
 
 /* ---- running --------------------------------------------------------------------------------- */
 
@@ -131,6 +135,9 @@ static void print_number(const char *what, double number)
 
 static int print_answer(const scene_entry *entry, const world *w, const scene_answer *answer)
 {
+    printf("%llu steps: %llu impacts, %llu sweeps, %llu Newton steps; solver stopped by %s\n",
+           (unsigned long long)w->steps, (unsigned long long)w->impacts,
+           (unsigned long long)w->sweeps, (unsigned long long)w->newton, cli_stop_name(w->stop));
     printf("scene %s", entry->name);
     print_number("metric", answer->metric);
     print_number("exact", answer->exact);

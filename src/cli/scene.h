@@ -43,8 +43,8 @@ typedef struct scene_entry {
     const char *reason;      /**< where the tolerance is from */
     const void *given;       /**< for `run`, as w->given: what tells scenes of one kind apart */
 
-    /** Run it in `w`, whose dt, seconds and options are set: world_begin, bodies, world_run, answer.
-     *  Lines beside the answer go to w->notes, if there is one. */
+    /** Run it in `w`, whose dt, seconds and options are set: world_begin, bodies, world_run. Lines
+     *  beside the answer go to w->notes, if there is one. */
     void (*run)(world *w, scene_answer *answer);
 } scene_entry;
 
@@ -55,11 +55,12 @@ typedef struct scene_group {
 } scene_group;
 
 /** All groups. */
-enum { SCENE_GROUPS = 3 };
+enum { SCENE_GROUPS = 4 };
 extern const scene_group *const scene_groups[SCENE_GROUPS];
-extern const scene_group scenes_impact; /**< A6 to A10 */
-extern const scene_group scenes_slide;  /**< B1 to B6 */
-extern const scene_group scenes_limit;  /**< B7, B8, B16: how far bodies stay at rest */
+extern const scene_group scenes_impact;   /**< A6 to A10 */
+extern const scene_group scenes_slide;    /**< B1 to B6 */
+extern const scene_group scenes_limit;    /**< B7, B8, B16: how far bodies stay at rest */
+extern const scene_group scenes_simbench; /**< D1 to D3 */
 
 /** The entry of that name; null if there is none. */
 const scene_entry *scene_find(const char *name);
@@ -73,7 +74,7 @@ tribo_status scene_play(const scene_entry *entry, world *w, scene_answer *answer
 /** The greatest error of a right run in that world. */
 double scene_tolerance(const scene_entry *entry, const world *w);
 
-/** |a - b|, and the greatest |a[i] - b[i]|. */
+/** The greatest |a[i] - b[i]|; NaN if any is. */
 double scene_distance(const double *a, const double *b, size_t n);
 
 #endif

@@ -208,8 +208,6 @@ static void run_bounce(world *w, scene_answer *answer)
         impacts = w->impacts;
     }
     answer->exact = sqrt(2.0 * DROP / WORLD_G) * (1.0 + DROP_E) / (1.0 - DROP_E);
-    if (w->notes != NULL)
-        fprintf(w->notes, "%llu impacts\n", (unsigned long long)impacts);
 }
 
 /* Height of the second apex, by energy: e^4 h. */

@@ -353,8 +353,8 @@ static double greatest_normal_impulse(world *w)
     return count > 0 ? event.normal : 0.0;
 }
 
-/* It slides into such a state and is caught at once, without a collision: W p = (g h, -v), so that
- * p_n is 0.3 v for ever smaller steps h. */
+/* It slides into such a state and is caught at once, without a collision: W p = (g h, -v), and p_n
+ * goes to 0.3 v as the step h gets small. */
 static void run_painleve(world *w, scene_answer *answer)
 {
     const double v0 = 3.0;

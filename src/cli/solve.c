@@ -34,11 +34,6 @@ static const char USAGE[] =
     "  iterations     sweeps and Newton steps\n"
     "  seconds        of the solve, its analysis included, without reading the file\n";
 
-enum { STOPS = 6 };
-
-static const char *const STOP_NAMES[STOPS] = {"tolerance", "iterations", "time",
-                                              "cancel",    "stall",      "jam"};
-
 typedef struct settings {
     double tolerance;
     double max_seconds; /* 0: no limit */
@@ -117,7 +112,7 @@ static int solve_file(const settings *s, const char *file)
     const double seconds = cli_now(NULL) - start;
     if (status == TRIBO_OK)
         printf("%s\t%zu\t%s\t%s\t%.6e\t%.6e\t%.6e\t%llu\t%.6e\n", file, given.count,
-               cli_solver_names[info.solver], STOP_NAMES[info.stop], info.eta, info.invariant,
+               cli_solver_names[info.solver], cli_stop_name(info.stop), info.eta, info.invariant,
                info.siconos, (unsigned long long)(info.sweeps + info.steps), seconds);
     else
         printf("%s\t%zu\t%s\t%s\tnan\tnan\tnan\t0\t%.6e\n", file, given.count,
