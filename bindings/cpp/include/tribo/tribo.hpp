@@ -521,7 +521,7 @@ class sparse {
 /// Solves systems of bodies and contacts; keeps workspace, factorisations and results.
 class system {
   public:
-    /// options.warm_start = 1 starts from `impulses`, if their number fits.
+    /// options.warm_start = 1 starts from `impulses` and `torques`, if their number fits.
     const tribo_system_info &solve(span<const tribo_body> bodies,
                                    span<const tribo_system_contact> contacts,
                                    tribo_system_options options = {})
@@ -537,6 +537,8 @@ class system {
               "tribo_system_workspace_size");
         workspace_.reserve(size);
         impulses.resize(3 * n);
+        torques.resize(3 * n);
+        options.torques = torques.data();
         velocities.resize(6 * bodies.size());
         info = detail::sized<tribo_system_info>();
         check(tribo_system_solve(bodies.size(), bodies.data(), n, contacts.data(), &options,
@@ -572,6 +574,7 @@ class system {
               "tribo_system_assembled_workspace_size");
         workspace_.reserve(size);
         impulses.resize(3 * n);
+        torques.assign(3 * n, 0.0);
         velocities.resize(3 * n);
         info = detail::sized<tribo_system_info>();
         check(tribo_system_solve_assembled(n, row_starts.data(), columns.data(), blocks.data(),
@@ -591,6 +594,7 @@ class system {
     }
 
     std::vector<double> impulses;   ///< 3 per contact
+    std::vector<double> torques;    ///< 3 per contact that resists rolling or spinning, else 0
     std::vector<double> velocities; ///< 6 per body; 3 per contact in the assembled form
     tribo_system_info info = {};
 

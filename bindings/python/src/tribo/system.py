@@ -30,6 +30,7 @@ class System(Owner):
         super().__init__(out[0], lib.tribo_sparse_destroy)
         self._workspace = ffi.new("double[]", 1)
         self.impulses: Float = np.zeros((0, 3))
+        self.torques: Float = np.zeros((0, 3))
         self.velocities: Float = np.zeros((0, 6))
         self.info: Struct = np.zeros(1, DTYPES["system_info"])[0]
 
@@ -66,8 +67,9 @@ class System(Owner):
               ) -> Struct:
         """Solve for bodies (DTYPES["body"]) and contacts (DTYPES["system_contact"]).
 
-        Results: impulses (n, 3), velocities (m, 6), info, which is also returned: a record of
-        DTYPES["system_info"]. warm_start: from the impulses of the last call. executor: a pool
+        Results: impulses (n, 3), torques (n, 3) of contacts that resist rolling or spinning,
+        velocities (m, 6), info, which is also returned: a record of DTYPES["system_info"].
+        warm_start: from the impulses and torques of the last call. executor: a pool
         that runs up to `tasks` tasks at once; no bit depends on it. progress: called with what is
         known so far; True stops."""
         array(bodies, DTYPES["body"], None, "bodies")
@@ -78,6 +80,8 @@ class System(Owner):
             o = self._options(keep, solver, measure, tolerance, max_iterations, max_seconds,
                               warm_start, isa, tasks, executor, progress)
             impulses = self._start(n, warm_start)
+            torques = self.torques.copy() if warm_start else np.zeros((n, 3))
+            o.torques = pointer("double", torques)
             velocities = np.zeros((bodies.size, 6))
             size, info = ffi.new("size_t *"), sized("tribo_system_info")
             b, c = pointer("tribo_body", bodies), pointer("tribo_system_contact", contacts)
@@ -86,7 +90,7 @@ class System(Owner):
             check(lib.tribo_system_solve(bodies.size, b, n, c, o, room, ffi.sizeof(room),
                                          pointer("double", impulses),
                                          pointer("double", velocities), info), "System.solve")
-            return self._take(impulses, velocities, info)
+            return self._take(impulses, torques, velocities, info)
 
     def solve_assembled(self, q: Float, mu: Float, blocks: Float,
                         row_starts: NDArray[np.uint32] | None = None,
@@ -122,7 +126,7 @@ class System(Owner):
                 n, starts, places, pointer("double", blocks), pointer("double", q),
                 pointer("double", mu), o, room, ffi.sizeof(room), pointer("double", impulses),
                 pointer("double", velocities), info), "System.solve_assembled")
-            return self._take(impulses, velocities, info)
+            return self._take(impulses, np.zeros((n, 3)), velocities, info)
 
     def _start(self, n: int, warm_start: bool) -> Float:
         if not warm_start:
@@ -131,8 +135,8 @@ class System(Owner):
             raise ValueError("warm_start: the last call had another number of contacts")
         return self.impulses.copy()
 
-    def _take(self, impulses: Float, velocities: Float, info: Any) -> Struct:
-        self.impulses, self.velocities = impulses, velocities
+    def _take(self, impulses: Float, torques: Float, velocities: Float, info: Any) -> Struct:
+        self.impulses, self.torques, self.velocities = impulses, torques, velocities
         self.info = record(info, "system_info")
         return self.info
 
