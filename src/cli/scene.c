@@ -38,6 +38,7 @@ const scene_group *const scene_groups[SCENE_GROUPS] = {
     &scenes_impact,
     &scenes_slide,
     &scenes_limit,
+    &scenes_rest,
     &scenes_simbench,
 };
 

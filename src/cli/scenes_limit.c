@@ -27,46 +27,17 @@ typedef struct limit {
 
 /* ---- search ---------------------------------------------------------------------------------- */
 
-enum { MOST_BODIES = 256 };
-
-/* How far the body has moved or turned, m. */
-static double way_of(const tribo_body *now, const tribo_body *then, double size)
-{
-    double greatest = scene_distance(now->position, then->position, 3);
-    const double turn = 2.0 * scene_distance(now->orientation, then->orientation, 4);
-
-    greatest = turn * size > greatest ? turn * size : greatest;
-    return greatest;
-}
-
-static double greatest_way(world *w, const tribo_body *then, uint32_t end, double size)
-{
-    double greatest = 0.0;
-
-    for (uint32_t i = 0; i < end; i++) {
-        const tribo_body now = world_state(w, i);
-        greatest = fmax(greatest, way_of(&now, &then[i], size));
-    }
-    return greatest;
-}
-
 /* Share of the size that the bodies move by per second. */
 static double drift(world *w, const limit *l, double parameter)
 {
-    static tribo_body then[MOST_BODIES];
     const double size = l->build(w, l, parameter);
     const uint64_t steps = world_steps(w, w->seconds);
     double way = 0.0;
-    uint32_t end = 0;
 
-    if (w->status == TRIBO_OK)
-        world_check(w, tribo_scene_counts(w->scene, NULL, &end));
-    end = end < MOST_BODIES ? end : MOST_BODIES;
-    for (uint32_t i = 0; i < end; i++)
-        then[i] = world_state(w, i);
+    world_keep(w);
     for (uint64_t i = 0; i < steps && way < ON_THE_WAY && w->status == TRIBO_OK; i++) {
         world_step(w);
-        way = greatest_way(w, then, end, size) / size;
+        way = world_way(w, size) / size;
     }
     return w->time > 0.0 ? way / w->time : 0.0;
 }
@@ -112,27 +83,9 @@ static void run_limit(world *w, scene_answer *answer)
 
 static void add_plane(world *w, double nx, double nz, double d, double mu)
 {
-    tribo_scene_body plane = world_floor(mu, 0.0);
+    const tribo_scene_body plane = world_plane(nx, nz, d, mu);
 
-    plane.shape.size[0] = nx;
-    plane.shape.size[2] = nz;
-    plane.shape.size[3] = d;
     world_add(w, &plane);
-}
-
-static void add_block(world *w, double hx, double hy, double hz, double x, double z, double mu)
-{
-    tribo_scene_body block = world_floor(mu, 0.0);
-
-    block.shape = (tribo_shape){.type = TRIBO_SHAPE_BOX, .size = {hx, hy, hz}};
-    world_add_at(w, &block, x, 0.0, z);
-}
-
-/* Turn about y, from z to x. */
-static void tilt(tribo_scene_body *body, double angle)
-{
-    body->state.orientation[0] = cos(0.5 * angle);
-    body->state.orientation[2] = sin(0.5 * angle);
 }
 
 /* Two balls as one body touches with them, at +-0.2 m along y. */
@@ -163,7 +116,7 @@ static double build_ladder(world *w, const limit *l, double degrees)
     add_plane(w, 0.0, 1.0, 0.0, l->given[0]);
     add_plane(w, -1.0, 0.0, 0.0, l->given[1]);
     ladder.offset.position[2] = 0.02; /* centre of mass amid the two edges that touch */
-    tilt(&ladder, -angle);
+    world_tilt(&ladder, -angle);
     world_add_at(w, &ladder, -0.5 * cos(angle), 0.0, 0.5 * sin(angle));
     return 1.0;
 }
@@ -207,7 +160,7 @@ static double build_slope(world *w, const limit *l, double degrees)
 
     world_begin_mixed(w, 0.0, 0.0, -WORLD_G, TRIBO_MIX_MINIMUM);
     add_plane(w, sin(angle), cos(angle), 0.0, l->given[2]);
-    tilt(&box, angle);
+    world_tilt(&box, angle);
     world_add_at(w, &box, h * sin(angle), 0.0, h * cos(angle));
     return 1.0;
 }
@@ -229,7 +182,8 @@ static double build_collar(world *w, const limit *l, double offset)
     const double force[3] = {0.0, 0.0, -10.0}, torque[3] = {0.0, 10.0 * offset, 0.0};
 
     world_begin_mixed(w, 0.0, 0.0, 0.0, TRIBO_MIX_MINIMUM);
-    add_block(w, shaft, 0.3, 5.0 * l->given[1], 0.0, 0.0, l->given[0]);
+    const tribo_scene_body bar = world_block(shaft, 0.3, 5.0 * l->given[1], l->given[0]);
+    world_add_at(w, &bar, 0.0, 0.0, 0.0);
     add_balls(balls, radius, -shaft - radius, half);
     add_balls(balls + 2, radius, shaft + radius, -half);
     tribo_scene_body collar = body_of_balls(balls, 4, STRONG);
@@ -283,7 +237,7 @@ static double build_wedge(world *w, const limit *l, double mu)
     for (int i = 0; i < 2; i++) {
         const double side = i == 0 ? -1.0 : 1.0;
         const double force[3] = {-10.0 * side, 0.0, 0.0};
-        tilt(&jaw, side * angle);
+        world_tilt(&jaw, side * angle);
         const uint32_t id =
             world_add_at(w, &jaw, side * (0.4 + hx * cos(angle)), 0.0, -hx * sin(angle));
         if (w->status == TRIBO_OK)
@@ -317,7 +271,8 @@ static double build_overhang(world *w, const limit *l, double reach)
     double edge = 0.0;
 
     world_begin(w, 0.0, 0.0, -WORLD_G);
-    add_block(w, 2.0, 0.25, 0.5, -2.0, -0.5, 0.5);
+    const tribo_scene_body ledge = world_block(2.0, 0.25, 0.5, 0.5);
+    world_add_at(w, &ledge, -2.0, 0.0, -0.5);
     for (int k = count; k > 0; k--) {
         edge += share * 0.5 / k;
         world_add_at(w, &block, edge - 0.5, 0.0, h * (2 * (count - k) + 1));
@@ -396,7 +351,7 @@ static void build_arch(world *w, int count, double thickness, double mu)
     for (int i = 0; i < count; i++) {
         const double angle = (i + 0.5) * PI / count - 0.5 * PI;
         const double r = -voussoir.offset.position[2];
-        tilt(&voussoir, angle);
+        world_tilt(&voussoir, angle);
         world_add_at(w, &voussoir, r * sin(angle), 0.0, r * cos(angle));
     }
 }
@@ -469,7 +424,7 @@ static int topples(world *w, const limit *l, double degrees)
 
     world_begin(w, 0.0, 0.0, -WORLD_G);
     add_plane(w, 0.0, 1.0, 0.0, 1.0);
-    tilt(&box, angle);
+    world_tilt(&box, angle);
     const uint32_t id = world_add_at(w, &box, z * sin(angle) - x * cos(angle), 0.0,
                                      x * sin(angle) + z * cos(angle));
     for (uint64_t i = 0; i < steps && fabs(lean - angle) < 0.1 * angle; i++) {

@@ -1,6 +1,7 @@
 #include "world.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "cli.h"
@@ -35,6 +36,9 @@ void world_end(world *w)
 {
     tribo_scene_destroy(w->scene);
     w->scene = NULL;
+    free(w->kept);
+    w->kept = NULL;
+    w->kept_count = 0;
     w->time = 0.0;
 }
 
@@ -50,6 +54,30 @@ tribo_scene_body world_floor(double mu, double e)
     body.shape.size[2] = 1.0;
     body.material = (tribo_material){mu, mu, e};
     return body;
+}
+
+tribo_scene_body world_plane(double nx, double nz, double d, double mu)
+{
+    tribo_scene_body body = world_floor(mu, 0.0);
+
+    body.shape.size[0] = nx;
+    body.shape.size[2] = nz;
+    body.shape.size[3] = d;
+    return body;
+}
+
+tribo_scene_body world_block(double hx, double hy, double hz, double mu)
+{
+    tribo_scene_body body = world_floor(mu, 0.0);
+
+    body.shape = (tribo_shape){.type = TRIBO_SHAPE_BOX, .size = {hx, hy, hz}};
+    return body;
+}
+
+void world_tilt(tribo_scene_body *body, double angle)
+{
+    body->state.orientation[0] = cos(0.5 * angle);
+    body->state.orientation[2] = sin(0.5 * angle);
 }
 
 tribo_scene_body world_body(double mass, double ixx, double iyy, double izz, double mu, double e)
@@ -136,6 +164,45 @@ tribo_body world_state(world *w, uint32_t id)
     if (w->status == TRIBO_OK)
         world_check(w, tribo_scene_get_body(w->scene, id, &state, NULL));
     return state;
+}
+
+void world_keep(world *w)
+{
+    uint32_t end = 0;
+
+    if (w->status != TRIBO_OK || !world_check(w, tribo_scene_counts(w->scene, NULL, &end)))
+        return;
+    free(w->kept);
+    w->kept_count = 0;
+    w->kept = malloc((end + 1) * sizeof *w->kept);
+    if (w->kept == NULL) {
+        world_check(w, TRIBO_ERROR_MEMORY);
+        return;
+    }
+    for (uint32_t i = 0; i < end; i++)
+        w->kept[w->kept_count++] = world_state(w, i);
+}
+
+/* Of one coordinate; NaN is a greater way than any. */
+static double farther(double way, double now, double then, double size)
+{
+    const double gone = size * fabs(now - then);
+
+    return gone <= way ? way : gone;
+}
+
+double world_way(world *w, double size)
+{
+    double way = 0.0;
+
+    for (uint32_t i = 0; i < w->kept_count; i++) {
+        const tribo_body now = world_state(w, i);
+        for (int k = 0; k < 3; k++)
+            way = farther(way, now.position[k], w->kept[i].position[k], 1.0);
+        for (int k = 0; k < 4; k++)
+            way = farther(way, now.orientation[k], w->kept[i].orientation[k], 2.0 * size);
+    }
+    return way;
 }
 
 double world_energy(world *w)

@@ -22,11 +22,13 @@ typedef struct world {
     double seconds; /**< that the scene asks for, or the user */
     tribo_step_options options;
     const void *given; /**< of the scene, as in scene_entry */
-    FILE *csv;   /**< for states; null: none */
-    FILE *notes; /**< for lines beside the answer; null: none */
+    FILE *csv;         /**< for states; null: none */
+    FILE *notes;       /**< for lines beside the answer; null: none */
 
     tribo_scene *scene; /**< the present one; null before world_begin */
-    double time;        /**< of the present one, s */
+    tribo_body *kept;   /**< of world_keep; null: none */
+    uint32_t kept_count;
+    double time; /**< of the present one, s */
     tribo_status status;
     uint64_t steps;       /**< of all scenes since the world was made */
     double spent;         /**< s, in these steps */
@@ -49,6 +51,15 @@ void world_end(world *w);
 
 /** A floor z <= 0. */
 tribo_scene_body world_floor(double mu, double e);
+
+/** What is on the far side of a plane, n . x <= d with n in the xz plane. */
+tribo_scene_body world_plane(double nx, double nz, double d, double mu);
+
+/** A box that does not move. */
+tribo_scene_body world_block(double hx, double hy, double hz, double mu);
+
+/** Turn a body from z to x by an angle, from no turn. */
+void world_tilt(tribo_scene_body *body, double angle);
 
 /** A uniform ball, or one with the moment of inertia `share` m r^2. */
 tribo_scene_body world_ball(double mass, double radius, double mu, double e);
@@ -75,6 +86,12 @@ double world_substep(const world *w);
 void world_before(const world *w, tribo_scene_body *body);
 
 tribo_body world_state(world *w, uint32_t id);
+
+/** Keep the states of all bodies. */
+void world_keep(world *w);
+
+/** The greatest way that a body has gone since, m: a turn counts as its angle times `size`. */
+double world_way(world *w, double size);
 
 /** Kinetic and potential energy about the origin, J. */
 double world_energy(world *w);
