@@ -248,9 +248,9 @@ static void take_stated_inertia(toss_options *o)
     o->inertia = 0.199;
 }
 
-static void take_solid(toss_options *o)
+static void take_hollow(toss_options *o)
 {
-    o->inertia = 1.0 / 6.0;
+    o->inertia = 5.0 / 18.0;
 }
 
 static void take_lengths(toss_options *o)
@@ -310,7 +310,7 @@ static const toss_choice CHOICES[] = {{"as by the options", take_nothing},
                                       {"friction 1/16 more", take_rough},
                                       {"static friction 1/4 above dynamic", take_static},
                                       {"inertia as stated, 0.199", take_stated_inertia},
-                                      {"inertia of a solid cube", take_solid},
+                                      {"inertia of a box with thin walls", take_hollow},
                                       {"lengths as in the file", take_lengths},
                                       {"velocities as in the file", take_velocities},
                                       {"drag of air, 0.041 / m", take_air},
