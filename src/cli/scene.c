@@ -39,6 +39,7 @@ const scene_group *const scene_groups[SCENE_GROUPS] = {
     &scenes_slide,
     &scenes_limit,
     &scenes_rest,
+    &scenes_stack,
     &scenes_simbench,
 };
 

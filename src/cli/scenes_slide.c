@@ -327,8 +327,8 @@ static void run_turntable(world *w, scene_answer *answer)
 
 /* ---- B6: Painleve's rod ---------------------------------------------------------------------- */
 
-/* A slender rod of length 2 and mass 1 whose lower tip touches the floor in front of it, tan 2 above
- * the floor: W = ((8/5, 6/5), (6/5, 17/5)) at the tip. Beyond mu = 4/3 there are states in which no
+/* A slender rod of length 2 and mass 1 whose lower tip touches the floor in front of it; tan of its
+ * slope 2: W = ((8/5, 6/5), (6/5, 17/5)) at the tip. Beyond mu = 4/3 there are states in which no
  * force lets it slide on. */
 static tribo_scene_body painleve_rod(double mu)
 {
