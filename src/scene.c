@@ -113,11 +113,11 @@ void tribo_scene_destroy(tribo_scene *scene)
         return;
     }
     scene_buffer *all[] = {
-        &scene->slots,       &scene->bodies,    &scene->tree_block, &scene->kept_slots,
-        &scene->kept_bodies, &scene->kicks,     &scene->pushed,     &scene->reaches,
-        &scene->pairs,       &scene->manifolds, &scene->parents,    &scene->marks,
-        &scene->traces,      &scene->rows,      &scene->picks,      &scene->impulses,
-        &scene->velocities,  &scene->still,     &scene->workspace};
+        &scene->slots,       &scene->bodies,     &scene->tree_block, &scene->kept_slots,
+        &scene->kept_bodies, &scene->kicks,      &scene->pushed,     &scene->reaches,
+        &scene->pairs,       &scene->manifolds,  &scene->parents,    &scene->marks,
+        &scene->traces,      &scene->rows,       &scene->picks,      &scene->impulses,
+        &scene->torques,     &scene->velocities, &scene->still,      &scene->workspace};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
         scene_release(scene, all[i]);
     }
@@ -281,8 +281,12 @@ static tribo_status judge_body(const tribo_scene_body *body)
         return status;
     }
     if (!all_finite(body->belt, 3) || !all_finite(body->offset.position, 3) ||
-        !all_finite(body->offset.orientation, 4)) {
+        !all_finite(body->offset.orientation, 4) || !all_finite(&body->rolling, 1) ||
+        !all_finite(&body->spinning, 1)) {
         return TRIBO_ERROR_NOT_FINITE;
+    }
+    if (body->rolling < 0.0 || body->spinning < 0.0) {
+        return TRIBO_ERROR_FRICTION;
     }
     const double *q = body->offset.orientation;
     const double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
@@ -326,6 +330,8 @@ static tribo_status fill_slot(const tribo_scene_body *body, scene_slot *slot)
     slot->offset = body->offset;
     slot->material = body->material;
     memcpy(slot->belt, body->belt, sizeof slot->belt);
+    slot->rolling = body->rolling;
+    slot->spinning = body->spinning;
     slot->kind = body->kind;
     slot->used = 1;
     slot->is_centred = is_identity(&body->offset) ? 1 : 0;

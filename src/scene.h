@@ -22,6 +22,7 @@ typedef struct scene_slot {
     tribo_pose offset;
     tribo_material material;
     double belt[3];
+    double rolling, spinning;
     double force[3], torque[3];
     double radius;          /* of a ball around the centre of mass that holds the shape */
     double low[3], high[3]; /* the box in the tree */
@@ -64,14 +65,16 @@ struct tribo_scene {
     /* Scratch. */
     scene_buffer kept_slots, kept_bodies;
     scene_buffer kicks, pushed, reaches, pairs, manifolds, parents, marks;
-    scene_buffer traces, rows, picks, impulses, velocities, still, workspace;
+    scene_buffer traces, rows, picks, impulses, torques, velocities, still, workspace;
 };
 
 /* What is known of a contact point within one sub-step. */
 typedef struct scene_trace {
     tribo_material pair;
     double frame[9];
+    double rolling, spinning;
     double start[3];    /* impulse to start from, contact coordinates */
+    double turn[3];     /* the same of the torque */
     double impact[3];   /* impulse of the impact stage, world axes */
     double normal;      /* sum of normal impulses */
     double belt[3];     /* belt of B less that of A, contact coordinates */
@@ -93,6 +96,7 @@ typedef struct scene_run {
     uint32_t points_from, points_to; /* lists of the sub-step */
     uint32_t events_from, events_to;
     uint32_t may_sleep; /* some body sleeps, or may */
+    uint32_t resists;   /* some contact has a length of resistance */
 } scene_run;
 
 static inline scene_slot *scene_slots(const tribo_scene *s)

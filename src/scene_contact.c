@@ -179,8 +179,9 @@ static void add_belt(const tribo_scene *s, uint32_t i, double sign, double sum[3
     }
 }
 
-static tribo_status fill_trace(const scene_run *run, const tribo_scene_contact *c,
-                               const double impulse[3], scene_trace *trace)
+/* recalled: impulse and torque of the last sub-step, world axes. */
+static tribo_status fill_trace(scene_run *run, const tribo_scene_contact *c,
+                               const double recalled[6], scene_trace *trace)
 {
     const tribo_scene *s = run->scene;
     const scene_slot *a = &scene_slots(s)[c->a];
@@ -193,17 +194,21 @@ static tribo_status fill_trace(const scene_run *run, const tribo_scene_contact *
     if (status == TRIBO_OK) {
         status = tribo_basis_from_normal(c->normal, trace->frame);
     }
+    trace->rolling = greater(a->rolling, b->rolling);
+    trace->spinning = greater(a->spinning, b->spinning);
+    run->resists |= trace->rolling > 0.0 || trace->spinning > 0.0 ? 1u : 0u;
     add_belt(s, c->b, 1.0, belt);
     add_belt(s, c->a, -1.0, belt);
     tribo_mat3_apply(trace->frame, belt, trace->belt);
-    tribo_mat3_apply(trace->frame, impulse, trace->start);
+    tribo_mat3_apply(trace->frame, recalled, trace->start);
+    tribo_mat3_apply(trace->frame, recalled + 3, trace->turn);
     trace->margin = margin_of(run, radius);
     trace->slop = SLOP * radius;
     return status;
 }
 
 static tribo_status keep_point(scene_run *run, const tribo_scene_contact *c,
-                               const double impulse[3])
+                               const double recalled[6])
 {
     tribo_scene *s = run->scene;
     scene_points *to = &s->points[run->points_to];
@@ -220,7 +225,8 @@ static tribo_status keep_point(scene_run *run, const tribo_scene_contact *c,
     tribo_scene_contact *kept = scene_list(to) + to->count;
     *kept = *c;
     memset(kept->impulse, 0, sizeof kept->impulse);
-    return fill_trace(run, kept, impulse, (scene_trace *)s->traces.data + to->count++);
+    memset(kept->torque, 0, sizeof kept->torque);
+    return fill_trace(run, kept, recalled, (scene_trace *)s->traces.data + to->count++);
 }
 
 /* ---- pairs ----------------------------------------------------------------------------------- */
@@ -280,14 +286,15 @@ static const tribo_scene_contact *find_same(const old_points *old, const tribo_s
 }
 
 static void recall_impulse(const scene_run *run, const old_points *old,
-                           const tribo_scene_contact *c, double impulse[3])
+                           const tribo_scene_contact *c, double recalled[6])
 {
     const scene_slot *slots = scene_slots(run->scene);
     const double radius = lesser(slots[c->a].radius, slots[c->b].radius);
     const tribo_scene_contact *same = find_same(old, c, NEAR * radius);
-    impulse[0] = impulse[1] = impulse[2] = 0.0;
+    memset(recalled, 0, 6 * sizeof *recalled);
     if (same) {
-        tribo_vec3_scale(run->h / run->scene->last_h, same->impulse, impulse);
+        tribo_vec3_scale(run->h / run->scene->last_h, same->impulse, recalled);
+        tribo_vec3_scale(run->h / run->scene->last_h, same->torque, recalled + 3);
     }
 }
 
@@ -300,7 +307,7 @@ static tribo_status keep_manifold(scene_run *run, const uint32_t pair[2],
     for (uint32_t i = 0; status == TRIBO_OK && i < manifold->count; i++) {
         const tribo_point *point = &manifold->points[i];
         tribo_scene_contact c;
-        double impulse[3];
+        double recalled[6];
         memset(&c, 0, sizeof c);
         c.a = pair[0];
         c.b = pair[1];
@@ -322,8 +329,8 @@ static tribo_status keep_manifold(scene_run *run, const uint32_t pair[2],
             }
         }
         if (speculates || c.distance <= 0.0) {
-            recall_impulse(run, old, &c, impulse);
-            status = keep_point(run, &c, impulse);
+            recall_impulse(run, old, &c, recalled);
+            status = keep_point(run, &c, recalled);
         }
     }
     return status;
@@ -378,9 +385,9 @@ static tribo_status do_pair(scene_run *run, const uint32_t pair[2], size_t *at)
     const old_points old = find_old(run, pair[0], pair[1], at);
     if (!can_disturb(s, pair[0]) && !can_disturb(s, pair[1])) {
         for (size_t i = 0; status == TRIBO_OK && i < old.count; i++) {
-            double impulse[3];
-            recall_impulse(run, &old, &old.first[i], impulse);
-            status = keep_point(run, &old.first[i], impulse);
+            double recalled[6];
+            recall_impulse(run, &old, &old.first[i], recalled);
+            status = keep_point(run, &old.first[i], recalled);
         }
         return status;
     }

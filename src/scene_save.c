@@ -3,7 +3,7 @@
 #include "block.h"
 
 #define MAGIC 0x656e656373627274u /* "trbscene" in memory on little-endian machines */
-#define FORMAT 1u
+#define FORMAT 2u
 
 /* Head of a block; slots, bodies, points and events follow. */
 typedef struct scene_block {

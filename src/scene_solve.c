@@ -34,10 +34,18 @@ static tribo_status reserve_rows(scene_run *run)
     if (status == TRIBO_OK) {
         status = scene_reserve(s, &s->impulses, 3 * n, sizeof(double));
     }
+    if (status == TRIBO_OK && run->resists != 0) {
+        status = scene_reserve(s, &s->torques, 3 * n, sizeof(double));
+    }
     if (status == TRIBO_OK) {
         status = scene_reserve(s, &s->velocities, 6 * (size_t)s->end, sizeof(double));
     }
     return status;
+}
+
+static int resists(const scene_trace *trace)
+{
+    return trace->rolling > 0.0 || trace->spinning > 0.0;
 }
 
 /* The row of a contact without restitution, in which neither gap nor overlap counts. */
@@ -50,7 +58,9 @@ static tribo_system_contact *lay_row(scene_run *run, size_t row, size_t i)
     memset(out, 0, sizeof *out);
     out->a = c->a;
     out->b = c->b;
-    out->dimension = trace->pair.mu_s > 0.0 ? 3 : 1;
+    out->dimension = trace->pair.mu_s > 0.0 || resists(trace) ? 3 : 1;
+    out->rolling = trace->rolling;
+    out->spinning = trace->spinning;
     memcpy(out->contact.normal, c->normal, sizeof c->normal);
     memcpy(out->contact.arm_a, c->arm_a, sizeof c->arm_a);
     memcpy(out->contact.arm_b, c->arm_b, sizeof c->arm_b);
@@ -110,6 +120,7 @@ static tribo_status solve(scene_run *run, size_t count, const tribo_body *bodies
     o.struct_size = sizeof o;
     o.tasks = run->options.tasks;
     o.linear = has_linear ? &linear : NULL;
+    o.torques = run->resists != 0 ? s->torques.data : NULL;
     o.parallel = run->options.parallel;
     o.user = run->options.user;
     if (status == TRIBO_OK) {
@@ -362,6 +373,9 @@ static size_t lay_contacts(scene_run *run)
             const int has = trace->start[0] > 0.0 && (k == 0 || row->dimension == 3);
             start[k] = has ? trace->start[k] : 0.0;
         }
+        if (run->resists != 0) {
+            memcpy((double *)s->torques.data + 3 * (rows - 1), trace->turn, sizeof trace->turn);
+        }
     }
     return rows;
 }
@@ -389,6 +403,7 @@ static void prepare_starts(scene_run *run)
         scene_trace *trace = trace_at(run, i);
         if (trace->is_active != 0 && (!wanted || !(trace->start[0] > 0.0))) {
             memset(trace->start, 0, sizeof trace->start);
+            memset(trace->turn, 0, sizeof trace->turn);
         }
     }
 }
@@ -396,8 +411,13 @@ static void prepare_starts(scene_run *run)
 static void take_contacts(scene_run *run, size_t rows)
 {
     const double *impulses = run->scene->impulses.data;
+    const double *torques = run->scene->torques.data;
     for (size_t i = 0; i < rows; i++) {
-        memcpy(trace_at(run, pick_at(run, i))->start, impulses + 3 * i, 3 * sizeof *impulses);
+        scene_trace *trace = trace_at(run, pick_at(run, i));
+        memcpy(trace->start, impulses + 3 * i, sizeof trace->start);
+        if (run->resists != 0) {
+            memcpy(trace->turn, torques + 3 * i, sizeof trace->turn);
+        }
     }
 }
 
@@ -406,7 +426,11 @@ static void keep_impulses(scene_run *run, size_t rows)
     for (size_t i = 0; i < rows; i++) {
         const uint32_t at = pick_at(run, i);
         scene_trace *trace = trace_at(run, at);
-        to_world(trace, trace->start, scene_list(&run->scene->points[run->points_to])[at].impulse);
+        tribo_scene_contact *c = scene_list(&run->scene->points[run->points_to]) + at;
+        to_world(trace, trace->start, c->impulse);
+        if (resists(trace)) {
+            to_world(trace, trace->turn, c->torque);
+        }
         trace->normal += trace->start[0];
     }
 }
@@ -418,6 +442,7 @@ static void count_contacts(scene_run *run, size_t rows)
     run->info.contacts += rows;
     for (size_t i = 0; i < rows; i++) {
         run->info.frictionless += row[i].dimension == 1;
+        run->info.resisting += row[i].rolling > 0.0 || row[i].spinning > 0.0;
         run->info.matched += trace_at(run, pick_at(run, i))->start[0] > 0.0;
     }
 }

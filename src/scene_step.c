@@ -99,9 +99,9 @@ static void mark_active(scene_run *run)
         traces[i].is_active =
             scene_is_awake(&scene_slots(s)[c->a]) || scene_is_awake(&scene_slots(s)[c->b]) ? 1 : 0;
         if (traces[i].is_active == 0) {
-            double impulse[3];
-            tribo_mat3_apply_transposed(traces[i].frame, traces[i].start, impulse);
-            memcpy(scene_list(points)[i].impulse, impulse, sizeof impulse);
+            tribo_scene_contact *kept = &scene_list(points)[i];
+            tribo_mat3_apply_transposed(traces[i].frame, traces[i].start, kept->impulse);
+            tribo_mat3_apply_transposed(traces[i].frame, traces[i].turn, kept->torque);
             traces[i].normal = traces[i].start[0];
         }
     }

@@ -706,9 +706,11 @@ static tribo_status plan_bodies(plan *p, arena *a, size_t body_count, size_t cou
     const plan none = {0};
     size_t torques = 0;
 
+    if (body_count > MOST_COUNT / 6 || count > MOST_COUNT / 6)
+        return TRIBO_ERROR_CAPACITY;
     for (size_t i = 0; i < count; i++)
         torques += resists(&contacts[i]) ? 1 : 0;
-    if (body_count > MOST_COUNT / 6 || count + torques > MOST_COUNT / 6)
+    if (count + torques > MOST_COUNT / 6)
         return TRIBO_ERROR_CAPACITY;
     *p = none;
     p->bodies = (uint32_t)body_count;

@@ -92,8 +92,12 @@ typedef struct tribo_scene_body {
                                   dynamic bodies. What `data` names must outlive the body */
     tribo_pose offset;    /**< of the shape in the body's axes, origin at the centre of mass */
     tribo_material material; /**< mixed with that of the other body by the rules of the scene */
-    double belt[3]; /**< m/s, body axes: velocity of the surface past the body, as that of a
+    double belt[3];  /**< m/s, body axes: velocity of the surface past the body, as that of a
                                   conveyor; what it has along a normal does nothing */
+    double rolling;  /**< m, >= 0: length of rolling resistance, as in tribo_system_contact. Of two
+                                  bodies the greater counts, for rubber resists on steel as it does
+                                  on rubber */
+    double spinning; /**< m, >= 0: the same of spinning resistance */
 } tribo_scene_body;
 
 /** A dynamic body without shape or mass, at the origin, at rest; friction and restitution 0.
@@ -107,8 +111,8 @@ TRIBO_API tribo_status tribo_scene_body_init(tribo_scene_body *body);
  *          with zero inverse mass, or not dynamic with another), TRIBO_ERROR_INERTIA (not dynamic
  *          with any, or one that tribo_body_spin refuses), TRIBO_ERROR_SHAPE (HALFSPACE or MESH on
  *          a dynamic body), TRIBO_ERROR_ORIENTATION (offset), TRIBO_ERROR_NOT_FINITE,
- *          TRIBO_ERROR_RANGE (a static body with velocities), TRIBO_ERROR_SUPPORT,
- *          TRIBO_ERROR_CAPACITY (2^30 bodies), TRIBO_ERROR_MEMORY. */
+ *          TRIBO_ERROR_FRICTION (a length < 0), TRIBO_ERROR_RANGE (a static body with velocities),
+ *          TRIBO_ERROR_SUPPORT, TRIBO_ERROR_CAPACITY (2^30 bodies), TRIBO_ERROR_MEMORY. */
 TRIBO_API tribo_status tribo_scene_add(tribo_scene *scene, const tribo_scene_body *body,
                                        uint32_t *id);
 
@@ -197,6 +201,7 @@ typedef struct tribo_step_info {
     uint64_t pairs;             /**< pairs of bodies collided */
     uint64_t contacts;          /**< contact points held by the contact solves */
     uint64_t frictionless;      /**< of these, those with one row */
+    uint64_t resisting;         /**< of these, those with a length of resistance: six rows */
     uint64_t matched;           /**< of these, those with a warm start */
     uint64_t contact_solves;    /**< sub-steps with a contact solve */
     uint64_t impact_solves;     /**< sub-steps with an impact solve */
@@ -237,6 +242,7 @@ typedef struct tribo_scene_contact {
     double arm_b[3];   /**< the same from that of B */
     double distance;   /**< of the surfaces, m; negative inside */
     double impulse[3]; /**< on A, world axes, N s, in the last sub-step; without impacts */
+    double torque[3];  /**< of rolling and spinning resistance on A, world axes, N m s, the same */
 } tribo_scene_contact;
 
 /** Contact points of the last sub-step, as of its midpoint, sorted by a, b, child_a and child_b.

@@ -24,8 +24,8 @@
  *   |tau_n| <= spinning r_n, and = spinning r_n, opposite to omega_n, where omega_n is not 0,
  *
  * omega = omega_A - omega_B. With u' = u + (mu |u_t| + rolling |omega_t| + spinning |omega_n|) e_n
- * this is complementarity on one cone of r and tau (Acary & Bourrier, Eur. J. Mech. A/Solids 85 (2021)
- * 104046, for rolling). An implicit law: what it stops, stands still and does not turn back. What it
+ * this is complementarity on one cone of r and tau (Acary & Bourrier, Eur. J. Mech. A/Solids 85 (2021),
+ * for rolling). An implicit law: what it stops, stands still and does not turn back. What it
  * costs is paid where it is set: a contact with both lengths 0 has the rows, the bits and the price
  * that it has without them.
  *

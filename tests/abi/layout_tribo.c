@@ -130,6 +130,8 @@ static void print_scene(void)
     FIELD(tribo_scene_body, offset);
     FIELD(tribo_scene_body, material);
     FIELD(tribo_scene_body, belt);
+    FIELD(tribo_scene_body, rolling);
+    FIELD(tribo_scene_body, spinning);
     TYPE(tribo_step_options);
     FIELD(tribo_step_options, struct_size);
     FIELD(tribo_step_options, substeps);
@@ -157,6 +159,7 @@ static void print_scene(void)
     FIELD(tribo_step_info, pairs);
     FIELD(tribo_step_info, contacts);
     FIELD(tribo_step_info, frictionless);
+    FIELD(tribo_step_info, resisting);
     FIELD(tribo_step_info, matched);
     FIELD(tribo_step_info, contact_solves);
     FIELD(tribo_step_info, impact_solves);
@@ -179,6 +182,7 @@ static void print_scene(void)
     FIELD(tribo_scene_contact, arm_b);
     FIELD(tribo_scene_contact, distance);
     FIELD(tribo_scene_contact, impulse);
+    FIELD(tribo_scene_contact, torque);
     TYPE(tribo_scene_event);
     FIELD(tribo_scene_event, kind);
     FIELD(tribo_scene_event, a);

@@ -8,10 +8,14 @@
 
 #define EPS DBL_EPSILON
 
-/* One contact as the laws of contact see it. */
+/* One contact as the laws of contact see it; or its torque, right behind it: u = arm omega and r =
+ * tau / arm, its laws by the impulse of the contact. */
 typedef struct view {
-    quad_real q[3]; /* velocity without impulses, less the target */
-    quad_real u[3]; /* with them */
+    int is_torque;
+    quad_real normal;     /* r_n of the contact */
+    quad_real lengths[2]; /* spinning, rolling, over the arm */
+    quad_real q[3];       /* velocity without impulses, less the target */
+    quad_real u[3];       /* with them */
     quad_real r[3];
     double greatest; /* diagonal entry of W_cc */
     double trace;
@@ -87,6 +91,26 @@ static quad_real residual(const quad_real x[3], const quad_real u[3], quad_real 
     return length(3, p);
 }
 
+/* |x - P(x - step u)|, P the nearest torque within what the normal impulse allows. */
+static quad_real torque_residual(const view *c, const quad_real x[3], quad_real normal,
+                                 quad_real step)
+{
+    const quad_real most[2] = {c->lengths[0] * normal, c->lengths[1] * normal};
+    quad_real p[3];
+    for (size_t i = 0; i < 3; i++) {
+        p[i] = x[i] - step * c->u[i];
+    }
+    const quad_real planar = length(2, p + 1);
+    p[0] = p[0] > most[0] ? most[0] : p[0] < -most[0] ? -most[0] : p[0];
+    for (size_t i = 1; i < 3; i++) {
+        p[i] = planar > most[1] ? most[1] * p[i] / planar : p[i];
+    }
+    for (size_t i = 0; i < 3; i++) {
+        p[i] -= x[i];
+    }
+    return length(3, p);
+}
+
 /* The measures of one contact with the coefficient mu. */
 typedef struct measures {
     double eta;
@@ -111,6 +135,25 @@ static void measure(const view *c, double mu, double speed, double impulse, meas
     out->signorini = fabs(normal_speed < normal_impulse ? normal_speed : normal_impulse);
     out->cone = excess > 0 ? (double)(excess / (quad_real)impulse) : 0.0;
     out->misalignment = (double)(length(2, wrong) / (quad_real)(impulse * speed));
+}
+
+static void measure_torque(const view *c, double speed, double impulse, measures *out)
+{
+    const quad_real normal = c->normal > 0 ? c->normal : 0;
+    const quad_real spin = c->u[0] > 0 ? c->u[0] : -c->u[0];
+    const quad_real torque = c->r[0] > 0 ? c->r[0] : -c->r[0];
+    const quad_real roll = length(2, c->u + 1);
+    const quad_real bounds[2] = {c->lengths[0] * normal, c->lengths[1] * normal};
+    const quad_real over[2] = {torque - bounds[0], length(2, c->r + 1) - bounds[1]};
+    const quad_real most = over[0] > over[1] ? over[0] : over[1];
+    const quad_real wrong[3] = {spin * c->r[0] + bounds[0] * c->u[0],
+                                roll * c->r[1] + bounds[1] * c->u[1],
+                                roll * c->r[2] + bounds[1] * c->u[2]};
+    out->eta =
+        (double)(torque_residual(c, c->r, normal, 1 / (quad_real)c->greatest) / (quad_real)impulse);
+    out->signorini = 0.0;
+    out->cone = most > 0 ? (double)(most / (quad_real)impulse) : 0.0;
+    out->misalignment = (double)(length(3, wrong) / (quad_real)(impulse * speed));
 }
 
 /* The coefficient by which a contact is judged: mu_s where it fits better than mu_d although the
@@ -142,6 +185,8 @@ typedef struct sums {
     double energy_scale;
     double energy_noise;
     double noise; /* |of all u| squared */
+    double last;  /* eta of the contact before */
+    size_t contacts;
 } sums;
 
 static void judge(const view *c, double stiffness, size_t number, sums *sum, quad_certificate *out)
@@ -155,9 +200,16 @@ static void judge(const view *c, double stiffness, size_t number, sums *sum, qua
     double mu = c->mu[1];
     quad_real scaled[3];
     if (speed > 0.0) {
-        mu = coefficient(c, speed, impulse, &got);
+        if (c->is_torque) {
+            mu = (double)(c->lengths[0] + c->lengths[1]);
+            measure_torque(c, speed, impulse, &got);
+        } else {
+            mu = coefficient(c, speed, impulse, &got);
+        }
         const double own = EPS + c->noise / speed;
-        const double friction = (double)length(2, c->r + 1) + mu * fabs((double)c->r[0]);
+        const double normal = (double)(c->is_torque ? c->normal : c->r[0]);
+        const double planar = c->is_torque ? strength : (double)length(2, c->r + 1);
+        const double friction = planar + mu * fabs(normal);
         out->contact_noise = greater(out->contact_noise, own);
         out->misalignment_noise =
             greater(out->misalignment_noise, own * (1.0 + friction / impulse));
@@ -169,14 +221,23 @@ static void judge(const view *c, double stiffness, size_t number, sums *sum, qua
     out->signorini = greater(out->signorini, got.signorini);
     out->cone = greater(out->cone, got.cone);
     out->misalignment = greater(out->misalignment, got.misalignment);
-    sum->eta += (quad_real)got.eta * (quad_real)got.eta;
+    /* of a contact and its torque the worse counts */
+    const double counted = c->is_torque ? greater(got.eta, sum->last) : got.eta;
+    const double before = c->is_torque ? sum->last : 0.0;
+    sum->eta += (quad_real)counted * (quad_real)counted - (quad_real)before * (quad_real)before;
+    sum->last = got.eta;
+    sum->contacts += c->is_torque ? 0 : 1;
     for (size_t i = 0; i < 3; i++) {
         scaled[i] = (quad_real)stiffness * c->r[i];
     }
-    const quad_real invariant = residual(scaled, c->u, (quad_real)mu, 1);
-    const quad_real siconos = residual(c->r, c->u, (quad_real)mu, 1);
+    const quad_real normal = c->normal > 0 ? c->normal : 0;
+    const quad_real invariant = c->is_torque
+                                    ? torque_residual(c, scaled, (quad_real)stiffness * normal, 1)
+                                    : residual(scaled, c->u, (quad_real)mu, 1);
+    const quad_real siconos =
+        c->is_torque ? torque_residual(c, c->r, normal, 1) : residual(c->r, c->u, (quad_real)mu, 1);
     /* beyond mu_d a contact may not slide */
-    const quad_real slip = mu > c->mu[1] ? length(2, c->u + 1) : 0;
+    const quad_real slip = !c->is_torque && mu > c->mu[1] ? length(2, c->u + 1) : 0;
     sum->invariant += invariant * invariant + slip * slip;
     sum->siconos += siconos * siconos + slip * slip;
     sum->q += dot(3, c->q, c->q);
@@ -206,7 +267,8 @@ static void judge_all(size_t count, const view *views, quad_certificate *out)
     const double u = (double)quad_sqrt(sum.u);
     const double scale = greater(q, greater(r, u));
     const double noise = sqrt(sum.noise);
-    out->eta_rms = count > 0 ? (double)quad_sqrt(sum.eta / (quad_real)(double)count) : 0.0;
+    out->eta_rms =
+        sum.contacts > 0 ? (double)quad_sqrt(sum.eta / (quad_real)(double)sum.contacts) : 0.0;
     if (q > 0.0) {
         out->invariant = (double)quad_sqrt(sum.invariant) / q;
         out->invariant_noise = (noise + EPS * stiffness * r) / q + EPS * out->invariant;
@@ -233,6 +295,37 @@ static int moves(const tribo_body *body)
     return sum > 0.0;
 }
 
+/* x from world to body axes (sign -1) or back (1). */
+static void turn(const double orientation[4], int sign, const quad_real x[3], quad_real out[3])
+{
+    quad_real q[4];
+    quad_real once[3];
+    quad_real twice[3];
+    quad_widen(4, orientation, q);
+    const quad_real square = dot(4, q, q);
+    for (size_t i = 1; i < 4 && sign < 0; i++) {
+        q[i] = -q[i];
+    }
+    cross(q + 1, x, once);
+    cross(q + 1, once, twice);
+    for (size_t i = 0; i < 3; i++) {
+        out[i] = x[i] + 2 * (q[0] * once[i] + twice[i]) / square;
+    }
+}
+
+/* Change of the angular velocity by a moment, both in world axes. */
+static void twist(const tribo_body *body, const quad_real moment[3], quad_real change[3])
+{
+    static const size_t entry[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+    quad_real x[3];
+    quad_real y[3] = {0, 0, 0};
+    turn(body->orientation, -1, moment, x);
+    for (size_t i = 0; i < 9; i++) {
+        y[i / 3] += (quad_real)body->inverse_inertia[entry[i / 3][i % 3]] * x[i % 3];
+    }
+    turn(body->orientation, 1, y, change);
+}
+
 /* What the impulse `x` (contact axes) on a body at rest makes of it. */
 static void push(const tribo_body *body, const double arm[3], const double frame[9],
                  const quad_real x[3], double sign, quad_real change[6])
@@ -249,11 +342,12 @@ typedef struct motion {
     const tribo_body *bodies;
     size_t count;
     const tribo_system_contact *contacts;
-    double *frames;    /* 9 */
-    quad_real *change; /* 6 per body: v(r) - v */
-    double *summed;    /* 2 per body: sizes of the terms that v and omega are summed from */
-    double *sizes;     /* 6 per body: |M^-1| |J^T| |r| */
-    double *reach;     /* 1 per body: longest arm */
+    const double *torques; /* or null */
+    double *frames;        /* 9 */
+    quad_real *change;     /* 6 per body: v(r) - v */
+    double *summed;        /* 2 per body: sizes of the terms that v and omega are summed from */
+    double *sizes;         /* 6 per body: |M^-1| |J^T| |r| */
+    double *reach;         /* 1 per body: longest arm */
 } motion;
 
 static const tribo_body *body_of(const motion *m, size_t contact, size_t side)
@@ -304,6 +398,38 @@ static void add_impulse(motion *m, size_t contact, const quad_real r[3])
     }
 }
 
+/* A torque's share, world axes, for A. */
+static void moment_of(const motion *m, size_t contact, quad_real out[3])
+{
+    const double *axes = m->frames + 9 * contact;
+    for (size_t i = 0; i < 3; i++) {
+        out[i] = 0;
+        for (size_t k = 0; k < 3; k++) {
+            out[i] += (quad_real)axes[3 * k + i] * (quad_real)m->torques[3 * contact + k];
+        }
+    }
+}
+
+/* Adds the torque of a contact to its bodies. */
+static void add_torque(motion *m, size_t contact)
+{
+    quad_real moment[3];
+    moment_of(m, contact, moment);
+    for (size_t side = 0; side < 2; side++) {
+        const tribo_body *body = body_of(m, contact, side);
+        quad_real change[3];
+        if (body == NULL) {
+            continue;
+        }
+        const size_t index = index_of(m, contact, side);
+        twist(body, moment, change);
+        for (size_t i = 0; i < 3; i++) {
+            m->change[6 * index + 3 + i] += side == 0 ? change[i] : -change[i];
+        }
+        m->summed[2 * index + 1] += stiffness(body) * (double)length(3, moment);
+    }
+}
+
 static void find_diagonal(const double w[9], view *out)
 {
     out->greatest = greater(w[0], greater(w[4], w[8]));
@@ -334,6 +460,10 @@ static void find_sizes(motion *m, const double *impulses)
             m->sizes[6 * index_of(m, i / 2, i % 2) + k % 6] +=
                 fabs(rows[k / 6][k % 6] * impulses[3 * (i / 2) + k / 6]);
         }
+        for (size_t k = 0; k < 9 && m->torques != NULL; k++) {
+            m->sizes[6 * index_of(m, i / 2, i % 2) + 3 + k % 3] +=
+                fabs(m->frames[9 * (i / 2) + k] * m->torques[3 * (i / 2) + k / 3]);
+        }
     }
     for (size_t b = 0; b < m->body_count; b++) {
         double *size = m->sizes + 6 * b;
@@ -362,6 +492,20 @@ static double find_speed(const motion *m, size_t c, const view *v)
         find_rows(m, c, side, rows);
         for (size_t k = 0; k < 18; k++) {
             size[k / 6] += fabs(rows[k / 6][k % 6]) * m->sizes[6 * index_of(m, c, side) + k % 6];
+        }
+    }
+    return (double)length(3, v->q) + length3(size);
+}
+
+/* The same of a torque for an arm of 1. */
+static double find_turning_speed(const motion *m, size_t c, const view *v)
+{
+    double size[3] = {0.0, 0.0, 0.0};
+    for (size_t i = 0; i < 18; i++) {
+        const size_t side = i / 9;
+        if (body_of(m, c, side) != NULL) {
+            size[i % 9 / 3] +=
+                fabs(m->frames[9 * c + i % 9]) * m->sizes[6 * index_of(m, c, side) + 3 + i % 3];
         }
     }
     return (double)length(3, v->q) + length3(size);
@@ -413,6 +557,99 @@ static void find_velocity(const motion *m, size_t c, int before, quad_real out[3
     }
 }
 
+/* Relative angular velocity, as find_velocity. */
+static void find_turning(const motion *m, size_t c, int before, quad_real out[3])
+{
+    const tribo_system_contact *contact = &m->contacts[c];
+    quad_real axes[9];
+    quad_real total[3] = {0, 0, 0};
+    quad_widen(9, m->frames + 9 * c, axes);
+    for (size_t i = 0; i < 6; i++) {
+        const uint32_t index = i < 3 ? contact->a : contact->b;
+        if (index >= m->body_count) {
+            continue;
+        }
+        quad_real omega = (quad_real)m->bodies[index].angular_velocity[i % 3];
+        omega += before ? 0 : m->change[6 * index + 3 + i % 3];
+        total[i % 3] += i < 3 ? omega : -omega;
+    }
+    for (size_t i = 0; i < 3; i++) {
+        out[i] = dot(3, axes + 3 * i, total);
+    }
+}
+
+/* Diagonal of W of a torque, in double and by the library's functions: at a power of two another
+ * rounding would halve the arm. */
+static void find_turning_diagonal(const motion *m, size_t c, double diagonal[3])
+{
+    for (size_t k = 0; k < 3; k++) {
+        const double *axis = m->frames + 9 * c + 3 * k;
+        diagonal[k] = 0.0;
+        for (size_t side = 0; side < 2; side++) {
+            double inertia[6];
+            double x[3];
+            if (body_of(m, c, side) != NULL) {
+                tribo_body_world_inverse_inertia(body_of(m, c, side), inertia);
+                tribo_sym3_apply(inertia, axis, x);
+                diagonal[k] += tribo_vec3_dot(axis, x);
+            }
+        }
+    }
+}
+
+/* The arm by which torques and angular velocities are measured; system.h. */
+static double arm_of_torque(const motion *m, size_t c, const double turning[3])
+{
+    const tribo_system_contact *contact = &m->contacts[c];
+    tribo_body world;
+    double w[6];
+    tribo_body_init(&world);
+    const tribo_body *a = body_of(m, c, 0);
+    const tribo_body *b = body_of(m, c, 1);
+    world.inverse_mass = 0.0;
+    if (tribo_contact_matrix(a != NULL ? a : &world, b != NULL ? b : &world, &contact->contact,
+                             m->frames + 9 * c, w) != TRIBO_OK) {
+        abort();
+    }
+    const double most = greater(w[0], greater(w[3], w[5]));
+    const double most_turning = greater(turning[0], greater(turning[1], turning[2]));
+    if (!(most_turning > 0.0)) {
+        return ldexp(1.0, ilogb(greater(contact->rolling, contact->spinning)));
+    }
+    return ldexp(1.0, (int)floor((ilogb(most) - ilogb(most_turning)) / 2.0));
+}
+
+/* The torque of contact c; `of` is the view of the contact. */
+static void see_torque(const motion *m, size_t c, const view *of, view *out)
+{
+    const tribo_system_contact *contact = &m->contacts[c];
+    double diagonal[3];
+    find_turning_diagonal(m, c, diagonal);
+    const double arm = arm_of_torque(m, c, diagonal);
+    find_turning(m, c, 1, out->q);
+    find_turning(m, c, 0, out->u);
+    out->is_torque = 1;
+    out->normal = of->r[0];
+    out->lengths[0] = (quad_real)contact->spinning / (quad_real)arm;
+    out->lengths[1] = (quad_real)contact->rolling / (quad_real)arm;
+    out->speed = arm * find_turning_speed(m, c, out) + of->speed;
+    out->trace = arm * arm * (diagonal[0] + diagonal[1] + diagonal[2]);
+    out->greatest = arm * arm * greater(diagonal[0], greater(diagonal[1], diagonal[2]));
+    out->greatest = out->greatest > 0.0 ? out->greatest : of->greatest;
+    for (size_t i = 0; i < 3; i++) {
+        out->q[i] *= (quad_real)arm;
+        out->u[i] *= (quad_real)arm;
+        out->r[i] = (quad_real)m->torques[3 * c + i] / (quad_real)arm;
+    }
+    for (size_t side = 0; side < 2; side++) {
+        const uint32_t index = side == 0 ? contact->a : contact->b;
+        if (index < m->body_count) {
+            out->noise +=
+                EPS * arm * (length3(m->bodies[index].angular_velocity) + m->summed[2 * index + 1]);
+        }
+    }
+}
+
 /* Size of what u is summed from, in double: its rounding is some eps of it. */
 static double velocity_size(const motion *m, size_t c)
 {
@@ -431,24 +668,6 @@ static double velocity_size(const motion *m, size_t c)
 }
 
 /* ---- momentum -------------------------------------------------------------------------------- */
-
-/* x from world to body axes (sign -1) or back (1). */
-static void turn(const double orientation[4], int sign, const quad_real x[3], quad_real out[3])
-{
-    quad_real q[4];
-    quad_real once[3];
-    quad_real twice[3];
-    quad_widen(4, orientation, q);
-    const quad_real square = dot(4, q, q);
-    for (size_t i = 1; i < 4 && sign < 0; i++) {
-        q[i] = -q[i];
-    }
-    cross(q + 1, x, once);
-    cross(q + 1, once, twice);
-    for (size_t i = 0; i < 3; i++) {
-        out[i] = x[i] + 2 * (q[0] * once[i] + twice[i]) / square;
-    }
-}
 
 /* Spin of omega: solves I^-1 x = omega in body axes, in which a row of zeros is an axis that
  * cannot turn and takes no part. */
@@ -531,6 +750,20 @@ static void add_world(const motion *m, size_t c, const quad_real r[3], quad_real
     }
 }
 
+/* The torque of the world on a body. */
+static void add_world_torque(const motion *m, size_t c, quad_real angular[3])
+{
+    quad_real moment[3];
+    moment_of(m, c, moment);
+    for (size_t side = 0; side < 2; side++) {
+        const tribo_body *body = body_of(m, c, side);
+        const int lone = body_of(m, c, 1 - side) == NULL;
+        for (size_t i = 0; i < 3 && lone && body != NULL && finite_momentum(body); i++) {
+            angular[i] += side == 0 ? moment[i] : -moment[i];
+        }
+    }
+}
+
 /* Momentum that the velocities given gained, less what the impulses of the world brought in. */
 static void check_momentum(const motion *m, const double *impulses, const double *velocities,
                            quad_certificate *out)
@@ -547,6 +780,9 @@ static void check_momentum(const motion *m, const double *impulses, const double
         quad_real r[3];
         quad_widen(3, impulses + 3 * c, r);
         add_world(m, c, r, linear, angular, gap);
+        if (m->torques != NULL) {
+            add_world_torque(m, c, angular);
+        }
     }
     for (size_t b = 0; b < m->body_count; b++) {
         const tribo_body *body = &m->bodies[b];
@@ -669,22 +905,38 @@ static void finish(motion *m)
     free(m->reach);
 }
 
-void quad_certificate_of_bodies(size_t body_count, const tribo_body *bodies, size_t count,
-                                const tribo_system_contact *contacts, const double *impulses,
-                                const double *velocities, quad_certificate *out)
+static int resists(const tribo_system_contact *c)
 {
-    motion m = {.body_count = body_count, .bodies = bodies, .count = count, .contacts = contacts};
-    view *views = allocate(count, sizeof *views);
+    return c->dimension == 3 && (c->rolling > 0.0 || c->spinning > 0.0);
+}
+
+void quad_certificate_with_torques(size_t body_count, const tribo_body *bodies, size_t count,
+                                   const tribo_system_contact *contacts, const double *impulses,
+                                   const double *torques, const double *velocities,
+                                   quad_certificate *out)
+{
+    motion m = {.body_count = body_count,
+                .bodies = bodies,
+                .count = count,
+                .contacts = contacts,
+                .torques = torques};
+    view *views = allocate(2 * count, sizeof *views);
+    size_t seen = 0;
     memset(out, 0, sizeof *out);
     start(&m);
     for (size_t c = 0; c < count; c++) {
-        quad_widen(3, impulses + 3 * c, views[c].r);
-        add_impulse(&m, c, views[c].r);
+        quad_real r[3];
+        quad_widen(3, impulses + 3 * c, r);
+        add_impulse(&m, c, r);
+        if (torques != NULL) {
+            add_torque(&m, c);
+        }
     }
     find_sizes(&m, impulses);
     for (size_t c = 0; c < count; c++) {
-        view *v = &views[c];
+        view *v = &views[seen++];
         double w[9];
+        quad_widen(3, impulses + 3 * c, v->r);
         const int one_row = contacts[c].dimension == 1;
         v->mu[0] = one_row ? 0.0 : contacts[c].pair.mu_s;
         v->mu[1] = one_row ? 0.0 : contacts[c].pair.mu_d;
@@ -694,8 +946,11 @@ void quad_certificate_of_bodies(size_t body_count, const tribo_body *bodies, siz
         find_diagonal(w, v);
         v->speed = find_speed(&m, c, v);
         v->noise = EPS * velocity_size(&m, c);
+        if (torques != NULL && resists(&contacts[c])) {
+            see_torque(&m, c, v, &views[seen++]);
+        }
     }
-    judge_all(count, views, out);
+    judge_all(seen, views, out);
     if (velocities != NULL) {
         check_energy(&m, velocities, out);
         check_momentum(&m, impulses, velocities, out);
@@ -703,6 +958,14 @@ void quad_certificate_of_bodies(size_t body_count, const tribo_body *bodies, siz
     }
     finish(&m);
     free(views);
+}
+
+void quad_certificate_of_bodies(size_t body_count, const tribo_body *bodies, size_t count,
+                                const tribo_system_contact *contacts, const double *impulses,
+                                const double *velocities, quad_certificate *out)
+{
+    quad_certificate_with_torques(body_count, bodies, count, contacts, impulses, NULL, velocities,
+                                  out);
 }
 
 /* ---- assembled ------------------------------------------------------------------------------- */

@@ -46,6 +46,13 @@ void quad_certificate_of_bodies(size_t body_count, const tribo_body *bodies, siz
                                 const tribo_system_contact *contacts, const double *impulses,
                                 const double *velocities, quad_certificate *out);
 
+/** The same with the torques (width 3; may be null: none) of contacts that resist rolling or
+ *  spinning. */
+void quad_certificate_with_torques(size_t body_count, const tribo_body *bodies, size_t count,
+                                   const tribo_system_contact *contacts, const double *impulses,
+                                   const double *torques, const double *velocities,
+                                   quad_certificate *out);
+
 /** The same of an assembled problem; row_starts null: dense. `velocities` (width 3) or null. */
 void quad_certificate_of_blocks(size_t count, const uint32_t *row_starts, const uint32_t *columns,
                                 const double *blocks, const double *q, const double *mu,

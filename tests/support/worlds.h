@@ -102,6 +102,7 @@ static inline void sum_info(const tribo_step_info *more, tribo_step_info *sum)
     sum->pairs += more->pairs;
     sum->contacts += more->contacts;
     sum->frictionless += more->frictionless;
+    sum->resisting += more->resisting;
     sum->matched += more->matched;
     sum->contact_solves += more->contact_solves;
     sum->impact_solves += more->impact_solves;
