@@ -16,7 +16,8 @@
 #define CLIP_ROUNDING 1e-12 /* of the lengths: on the line is inside */
 #define PARALLEL 1e-3       /* sine of the angle up to which two edges are one line of contact */
 #define MERGE 1e-9          /* of the size: points that are one */
-#define BETTER 1.000001     /* ratio of areas, or of squares, that is worth another choice */
+#define NEAR 1e-4           /* of the shortest side: a corner is at a vertex or on an edge */
+#define BETTER 1.00001      /* ratio of areas, or of squares, that is worth another choice */
 #define TILT 1e-5           /* radians by which supports are tilted to feel along a face */
 #define RIDGE 1e-6 /* of the size: up to so much above the deepest point two ridges still touch */
 
@@ -79,6 +80,7 @@ typedef struct polygon {
     uint32_t count;
     uint32_t feature;
     double size;     /* greatest distance of a corner from the first along u or v */
+    double shortest; /* side, by the sum of what it is along u and v */
     double slope[2]; /* height gained per length along u and v */
     double h[TRIBO_MAX_FACE];
     double u[TRIBO_MAX_FACE];
@@ -88,6 +90,7 @@ typedef struct polygon {
 static void flatten(const pair_face *face, const double frame[9], polygon *out)
 {
     double size = 0.0;
+    double shortest = (double)INFINITY;
     out->count = face->count;
     out->feature = face->feature;
     for (uint32_t i = 0; i < face->count; i++) {
@@ -98,7 +101,13 @@ static void flatten(const pair_face *face, const double frame[9], polygon *out)
         size = greater(size, absolute(out->u[i] - out->u[0]));
         size = greater(size, absolute(out->v[i] - out->v[0]));
     }
+    for (uint32_t i = 0; i < face->count; i++) {
+        const uint32_t k = i + 1 == face->count ? 0 : i + 1;
+        shortest =
+            lesser(shortest, absolute(out->u[k] - out->u[i]) + absolute(out->v[k] - out->v[i]));
+    }
     out->size = size;
+    out->shortest = shortest;
     const double along = tribo_vec3_dot(frame, face->normal);
     out->slope[0] = along == 0.0 ? 0.0 : 0.0 - tribo_vec3_dot(frame + 3, face->normal) / along;
     out->slope[1] = along == 0.0 ? 0.0 : 0.0 - tribo_vec3_dot(frame + 6, face->normal) / along;
@@ -136,6 +145,41 @@ static double line_value(const line *l, double u, double v)
     return l->u * u + l->v * v + l->c;
 }
 
+/* ---- names of corners ----------------------------------------------------------------------- */
+
+/* Where vertices and edges of both polygons lie on each other, as in stacks of equal boxes, noise
+ * decides which of them the overlap has for corners. So a corner is named by all it is near to,
+ * whether it is a vertex of one, of the other, or where two sides cross; corners of one name are
+ * one. */
+
+static int is_at(const polygon *p, uint32_t vertex, double reach, double u, double v)
+{
+    const double du = u - p->u[vertex];
+    const double dv = v - p->v[vertex];
+    return du * du + dv * dv <= reach * reach;
+}
+
+/* A point on side k. */
+static uint32_t name_on_side(const polygon *p, uint32_t k, double reach, double u, double v)
+{
+    const uint32_t next = k + 1 == p->count ? 0 : k + 1;
+    return is_at(p, k, reach, u, v)      ? pair_feature(0, PAIR_VERTEX, k)
+           : is_at(p, next, reach, u, v) ? pair_feature(0, PAIR_VERTEX, next)
+                                         : pair_feature(0, PAIR_EDGE, k);
+}
+
+/* A point inside. */
+static uint32_t name_inside(const polygon *p, double reach, double u, double v)
+{
+    for (uint32_t k = 0; k < p->count; k++) {
+        const line l = side_line(p, k, 1.0);
+        if (absolute(line_value(&l, u, v)) <= reach * l.length) {
+            return name_on_side(p, k, reach, u, v);
+        }
+    }
+    return pair_feature(0, PAIR_FACE, 0);
+}
+
 /* ---- clipping (Sutherland and Hodgman, CACM 17 (1974) 32) ----------------------------------- */
 
 enum { OWN_SIDE = 64 }; /* sides of the clipping polygon are numbered from here */
@@ -148,9 +192,18 @@ typedef struct corner {
     uint32_t side; /* the side that leaves here */
 } corner;
 
-/* Where side p->side crosses side j of the clipping polygon of `count` sides. */
-static corner crossing(const corner *p, const corner *q, double dp, double dq, uint32_t j,
-                       uint32_t count)
+/* One polygon clipped by another. */
+typedef struct clipping {
+    const polygon *inner;
+    const polygon *outer;
+    double winding; /* of the outer one */
+    double slack;   /* outside by so much is inside */
+    double reach;   /* corners so near to a feature are named by it */
+} clipping;
+
+/* Where p->side crosses side j of the clipping polygon. */
+static corner crossing(const clipping *c, const corner *p, const corner *q, double dp, double dq,
+                       uint32_t j)
 {
     const double f = dp / (dp - dq);
     corner x = {p->u + f * (q->u - p->u),
@@ -160,72 +213,89 @@ static corner crossing(const corner *p, const corner *q, double dp, double dq, u
                 0,
                 p->side};
     if (p->side < OWN_SIDE) {
-        x.inner = pair_feature(0, PAIR_EDGE, p->side);
-        x.outer = pair_feature(0, PAIR_EDGE, j);
+        x.inner = name_on_side(c->inner, p->side, c->reach, x.u, x.v);
+        x.outer = name_on_side(c->outer, j, c->reach, x.u, x.v);
     } else {
         const uint32_t i = p->side - OWN_SIDE;
-        const uint32_t first = (j + 1) % count == i ? i : j;
-        x.inner = pair_feature(0, PAIR_FACE, 0);
+        const uint32_t first = (j + 1) % c->outer->count == i ? i : j;
+        x.inner = name_inside(c->inner, c->reach, x.u, x.v);
         x.outer = pair_feature(0, PAIR_VERTEX, first);
     }
     return x;
 }
 
 /* Keep what lies inside of side j; d are the values of its line at the corners. */
-static uint32_t clip_by_line(const corner *in, uint32_t n, const double *d, double slack,
-                             uint32_t j, uint32_t count, corner *out)
+static uint32_t clip_by_line(const clipping *c, const corner *in, uint32_t n, const double *d,
+                             double room, uint32_t j, corner *out)
 {
     uint32_t m = 0;
     for (uint32_t i = 0; i < n && m + 2 <= PAIR_MAX_POINTS; i++) {
         const uint32_t k = i + 1 == n ? 0 : i + 1;
-        const int inside = d[i] >= -slack;
-        const int next_inside = d[k] >= -slack;
+        const int inside = d[i] >= -room;
+        const int next_inside = d[k] >= -room;
         if (inside) {
             out[m++] = in[i];
         }
         if (inside && !next_inside) {
-            if (d[i] > slack) {
-                out[m++] = crossing(&in[i], &in[k], d[i], d[k], j, count);
+            if (d[i] > room) {
+                out[m++] = crossing(c, &in[i], &in[k], d[i], d[k], j);
             }
             out[m - 1].side = OWN_SIDE + j;
-        } else if (!inside && next_inside && d[k] > slack) {
-            out[m++] = crossing(&in[i], &in[k], d[i], d[k], j, count);
+        } else if (!inside && next_inside && d[k] > room) {
+            out[m++] = crossing(c, &in[i], &in[k], d[i], d[k], j);
         }
     }
     return m;
 }
 
-/* Overlap of two polygons: `inner` clipped by `outer`. Returns a pointer into the work space. */
-static const corner *clip_polygon(const polygon *inner, const polygon *outer, double winding,
-                                  double slack, corner work[2][PAIR_MAX_POINTS], uint32_t *count)
+/* Names those vertices of the inner polygon anew that lie inside of the outer one, at its edges. */
+static void name_vertices(const clipping *c, uint32_t n, corner *corners)
 {
-    uint32_t n = inner->count;
+    for (uint32_t i = 0; i < n; i++) {
+        corner *at = &corners[i];
+        if (at->outer == pair_feature(0, PAIR_FACE, 0)) {
+            at->outer = name_inside(c->outer, c->reach, at->u, at->v);
+        }
+    }
+}
+
+/* Overlap of two polygons. Returns a pointer into the work space. */
+static const corner *clip_polygon(const clipping *c, corner work[2][PAIR_MAX_POINTS],
+                                  uint32_t *count)
+{
+    uint32_t n = c->inner->count;
     corner *from = work[0];
     corner *to = work[1];
+    int near = 0;
     double d[PAIR_MAX_POINTS];
     for (uint32_t i = 0; i < n; i++) {
-        const corner c = {inner->u[i],
-                          inner->v[i],
-                          inner->h[i],
-                          pair_feature(0, PAIR_VERTEX, i),
-                          pair_feature(0, PAIR_FACE, 0),
-                          i};
-        from[i] = c;
+        const corner vertex = {c->inner->u[i],
+                               c->inner->v[i],
+                               c->inner->h[i],
+                               pair_feature(0, PAIR_VERTEX, i),
+                               pair_feature(0, PAIR_FACE, 0),
+                               i};
+        from[i] = vertex;
     }
-    for (uint32_t j = 0; j < outer->count && n > 0; j++) {
-        const line l = side_line(outer, j, winding);
-        const double room = slack * l.length;
+    for (uint32_t j = 0; j < c->outer->count && n > 0; j++) {
+        const line l = side_line(c->outer, j, c->winding);
+        const double room = c->slack * l.length;
+        const double reach = c->reach * l.length;
         int cut = 0;
         for (uint32_t i = 0; i < n; i++) {
             d[i] = line_value(&l, from[i].u, from[i].v);
             cut |= d[i] < -room;
+            near |= absolute(d[i]) <= reach;
         }
         if (cut) {
-            n = clip_by_line(from, n, d, room, j, outer->count, to);
+            n = clip_by_line(c, from, n, d, room, j, to);
             corner *swap = from;
             from = to;
             to = swap;
         }
+    }
+    if (near) {
+        name_vertices(c, n, from);
     }
     *count = n;
     return from;
@@ -320,15 +390,14 @@ static uint32_t overlap(const double frame[9], const polygon p[2], int reference
                         pair_point *points)
 {
     corner work[2][PAIR_MAX_POINTS];
-    const polygon *inner = &p[1 - reference];
-    const polygon *outer = &p[reference];
-    const double winding = winding_of(reference);
+    const clipping c = {&p[1 - reference], &p[reference], winding_of(reference), slack_of(p),
+                        NEAR * lesser(p[0].shortest, p[1].shortest)};
     uint32_t count;
-    if (inner->count == 2) {
-        count = clip_segment(inner, outer, winding, slack_of(p), work[0]);
+    if (c.inner->count == 2) {
+        count = clip_segment(c.inner, c.outer, c.winding, c.slack, work[0]);
         return raise(frame, p, reference, count, work[0], points);
     }
-    const corner *corners = clip_polygon(inner, outer, winding, slack_of(p), work, &count);
+    const corner *corners = clip_polygon(&c, work, &count);
     return raise(frame, p, reference, count, corners, points);
 }
 
@@ -824,18 +893,30 @@ static void measure_ear(ring *r, uint32_t place)
         absolute(area(r, r->order[before(r, place)], r->order[place], r->order[after(r, place)]));
 }
 
+/* Counter-clockwise from the point of the least name: where choices are as good as each other, which
+ * polygon clipped which does not show. */
+static void put_in_order(const pair_point *points, ring *r)
+{
+    double total = 0.0;
+    uint32_t first = 0;
+    for (uint32_t k = 1; k < r->count; k++) {
+        const pair_point *p = &points[k];
+        const pair_point *least = &points[first];
+        total += k > 1 ? area(r, 0, k - 1, k) : 0.0;
+        first = p->a < least->a || (p->a == least->a && p->b < least->b) ? k : first;
+    }
+    for (uint32_t k = 0; k < r->count; k++) {
+        r->order[k] = (total < 0.0 ? first + r->count - k : first + k) % r->count;
+    }
+}
+
 /* Put point i, which is in no order, where it lies farthest off a side. */
 static void insert_point(ring *r, uint32_t i)
 {
-    double total = 0.0;
-    for (uint32_t k = 2; k < r->count; k++) {
-        total += area(r, r->order[0], r->order[k - 1], r->order[k]);
-    }
-    const double sign = total < 0.0 ? 1.0 : -1.0;
     double most = -(double)INFINITY;
     uint32_t place = 0;
     for (uint32_t k = 0; k < r->count; k++) {
-        const double gain = sign * area(r, r->order[k], r->order[after(r, k)], i);
+        const double gain = 0.0 - area(r, r->order[k], r->order[after(r, k)], i);
         if (gain > most) {
             most = gain;
             place = k + 1;
@@ -857,10 +938,10 @@ static void take_ring(const double normal[3], uint32_t count, const pair_point *
     for (uint32_t i = 0; i < count; i++) {
         r->u[i] = tribo_vec3_dot(frame + 3, points[i].middle);
         r->v[i] = tribo_vec3_dot(frame + 6, points[i].middle);
-        r->order[i] = i;
     }
     /* Corners come in order; a support point stands behind them. */
     r->count = is_alone ? last : count;
+    put_in_order(points, r);
     if (r->count < count) {
         insert_point(r, last);
     }
@@ -945,7 +1026,7 @@ static void choose_corners(ring *r, uint32_t max, uint32_t kept)
 {
     double u[SEARCHED];
     double v[SEARCHED];
-    uint32_t order[SEARCHED];
+    uint32_t order[SEARCHED] = {0};
     uint32_t best[TRIBO_MAX_POINTS] = {0};
     uint32_t start = 0;
     thin_ring(r, SEARCHED, kept);
@@ -987,6 +1068,16 @@ static void choose_two(ring *r, uint32_t max, uint32_t deepest)
     r->count = max;
 }
 
+/* Whether one of the points chosen is as deep as any to rounding. */
+static int holds_deepest(const ring *r, const pair_point *points, uint32_t deepest, double slack)
+{
+    int found = 0;
+    for (uint32_t k = 0; k < r->count; k++) {
+        found |= points[r->order[k]].distance <= points[deepest].distance + slack;
+    }
+    return found;
+}
+
 /* Choose `max` of the points: the deepest, and those that keep the largest area. */
 static void choose_points(const double normal[3], double slack, uint32_t max, uint32_t count,
                           const pair_point *points, ring *r)
@@ -997,12 +1088,11 @@ static void choose_points(const double normal[3], double slack, uint32_t max, ui
         choose_two(r, max, deepest);
         return;
     }
-    double most = points[0].distance;
-    for (uint32_t i = 1; i < count; i++) {
-        most = greater(most, points[i].distance);
+    choose_corners(r, max, PAIR_MAX_POINTS);
+    if (!holds_deepest(r, points, deepest, slack)) {
+        take_ring(normal, count, points, r);
+        choose_corners(r, max, deepest);
     }
-    /* Where all are as deep that says nothing. */
-    choose_corners(r, max, most > points[deepest].distance + slack ? deepest : PAIR_MAX_POINTS);
 }
 
 static int is_same(const double a[3], const double b[3], double reach)
@@ -1011,16 +1101,21 @@ static int is_same(const double a[3], const double b[3], double reach)
            absolute(a[2] - b[2]) <= reach;
 }
 
-/* Drop what is farther apart than the margin, and points that coincide with one before. */
+/* Drop what is farther apart than the margin, and points that coincide with one before or have its
+ * name: the deeper of the two stays. */
 static uint32_t sift(double margin, double reach, uint32_t count, pair_point *points)
 {
     uint32_t kept = 0;
     for (uint32_t i = 0; i < count; i++) {
         int known = !(points[i].distance <= margin);
         for (uint32_t k = 0; k < kept && reach > 0.0 && !known; k++) {
-            known = is_same(points[i].middle, points[k].middle, reach);
-            points[k].distance =
-                known ? lesser(points[k].distance, points[i].distance) : points[k].distance;
+            const int one = points[i].a == points[k].a && points[i].b == points[k].b;
+            known = one || is_same(points[i].middle, points[k].middle, reach);
+            if (known && points[i].distance < points[k].distance) {
+                points[i].a = points[k].a;
+                points[i].b = points[k].b;
+                points[k] = points[i];
+            }
         }
         if (!known) {
             if (kept != i) {

@@ -1236,6 +1236,76 @@ static void ids_survive_small_motions(void **state)
     assert_true((double)kept >= 0.99 * (double)all);
 }
 
+/* A box on another of its width, of which edges and corners lie on each other: which of them are
+ * found is up to noise, their names are not. Moves of `step` on both, in any frame. Twisted by an
+ * eighth of a turn there are eight corners, of which two fours are as good as each other: there
+ * the deepest decides, so no tilt. */
+static void shake_stack(uint32_t method, int flush, double step, long *kept, long *all)
+{
+    static const double shifts[4][2] = {{0, 0}, {0.25, 0}, {0, -0.5}, {0.5, 0.5}};
+    static const double turns[3] = {0.0, 0.5, 1.0};
+    const tribo_collide_options options = {sizeof options, method, 0, 0, 1e-3};
+    const double wide = between(0.3, 2.0);
+    const tribo_shape box = make(TRIBO_SHAPE_BOX, 0.5 * wide, 0.5 * wide, 0.5);
+    const double *shift = shifts[flush % 3 == 1 ? 0 : flush / 3 % 4];
+    const double turn = 1.5707963267948966 * turns[flush % 3];
+    const double tilt = flush % 3 == 1 ? 0.0 : step;
+    const int swap = uniform() < 0.5;
+    tribo_manifold first = {0};
+    double frame[4];
+    random_turn(frame);
+    for (int i = 0; i < 8; i++) {
+        tribo_pose poses[2];
+        for (int k = 0; k < 2; k++) {
+            double d[3];
+            double e[3];
+            random_direction(d);
+            random_direction(e);
+            const tribo_pose p =
+                turned(at((k == 0 ? shift[0] * wide : 0.0) + step * d[0],
+                          (k == 0 ? shift[1] * wide : 0.0) + step * d[1],
+                          (k == 0 ? 1.0 - 1e-5 : 0.0) + step * d[2]),
+                       tilt * e[0], tilt * e[1], (k == 0 ? turn : 0.0) + step * e[2]);
+            tribo_quat_rotate(frame, p.position, poses[k].position);
+            tribo_quat_multiply(frame, p.orientation, poses[k].orientation);
+        }
+        const tribo_manifold m =
+            pair_of(&box, &poses[swap ? 1 : 0], &box, &poses[swap ? 0 : 1], &options);
+        assert_true(is_mirror(&m,
+                              (const tribo_manifold[]){pair_of(&box, &poses[swap ? 0 : 1], &box,
+                                                               &poses[swap ? 1 : 0], &options)},
+                              1.0));
+        assert_int_equal(m.count, 4);
+        for (uint32_t k = 0; k < m.count && i > 0; k++) {
+            *kept += has_id(&first, m.points[k].id);
+            *all += 1;
+            for (uint32_t l = k + 1; l < m.count; l++) {
+                assert_true(m.points[k].id != m.points[l].id);
+            }
+        }
+        first = i == 0 ? m : first;
+    }
+}
+
+static void ids_survive_in_stacks(void **state)
+{
+    (void)state;
+    for (uint32_t method = TRIBO_METHOD_CLOSED; method <= TRIBO_METHOD_GENERAL; method++) {
+        for (int decade = -9; decade <= -6; decade++) {
+            long kept = 0;
+            long all = 0;
+            for (int flush = 0; flush < 12; flush++) {
+                for (int i = 0; i < 20; i++) {
+                    shake_stack(method, flush, pow(10.0, decade), &kept, &all);
+                }
+            }
+            print_message("# moves of 1e%d, %s: %ld of %ld ids kept\n", decade,
+                          method == TRIBO_METHOD_CLOSED ? "closed" : "general", kept, all);
+            assert_true(kept == all);
+        }
+    }
+}
+
 /* ---- degenerate places ---------------------------------------------------------------------- */
 
 static void no_place_gives_what_is_no_number(void **state)
@@ -1709,6 +1779,7 @@ int main(void)
         cmocka_unit_test_setup(swap_offset_and_scale_change_no_bit, fresh),
         cmocka_unit_test_setup(rigid_motion_turns_the_answer, fresh),
         cmocka_unit_test_setup(ids_survive_small_motions, fresh),
+        cmocka_unit_test_setup(ids_survive_in_stacks, fresh),
         cmocka_unit_test_setup(no_place_gives_what_is_no_number, fresh),
         cmocka_unit_test_setup(compounds_are_their_parts, fresh),
         cmocka_unit_test_setup(inner_edges_do_not_show, fresh),

@@ -33,7 +33,9 @@ typedef struct tribo_point {
     double arm_a[3]; /**< from A's position to the point, midway between the surfaces, m */
     double arm_b[3]; /**< the same point from the position of B's pose, m */
     double distance; /**< of the surfaces along the normal, m; negative inside */
-    uint64_t id;     /**< which features touch: persists from step to step while they do */
+    uint64_t id;     /**< which features touch, A's in the high half, B's in the low: persists from
+                          step to step while they do. A corner within 1e-4 of the shortest side from
+                          a vertex or edge has its name, so stacks of equal boxes keep theirs */
 } tribo_point;
 
 #define TRIBO_MAX_POINTS 4
