@@ -40,6 +40,7 @@ const scene_group *const scene_groups[SCENE_GROUPS] = {
     &scenes_limit,
     &scenes_rest,
     &scenes_stack,
+    &scenes_spin,
     &scenes_simbench,
 };
 
