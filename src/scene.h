@@ -64,7 +64,7 @@ struct tribo_scene {
 
     /* Scratch. */
     scene_buffer kept_slots, kept_bodies;
-    scene_buffer kicks, pushed, reaches, pairs, manifolds, parents, marks;
+    scene_buffer kicks, pushed, reaches, firsts, pairs, manifolds, parents, marks;
     scene_buffer traces, rows, picks, impulses, torques, velocities, still, workspace;
 };
 
@@ -77,6 +77,7 @@ typedef struct scene_trace {
     double turn[3];     /* the same of the torque */
     double impact[3];   /* impulse of the impact stage, world axes */
     double normal;      /* sum of normal impulses */
+    double meets;       /* s from the midpoint on, of a contact that waits for an impact */
     double belt[3];     /* belt of B less that of A, contact coordinates */
     double margin;      /* m, so near it is held in any case */
     double slop;        /* m, overlap that is left alone */

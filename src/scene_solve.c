@@ -4,6 +4,8 @@
 #define PARTING_ITERATIONS 32u /* and that the next sub-step goes on with */
 #define PARTING_SHARE 0.25
 #define MAX_PASSES 16
+#define MAX_IMPACTS 64      /* passes of these */
+#define AT_ONCE 0.0625      /* of a sub-step: impacts that are no more apart share a pass */
 #define DENSE_UNKNOWNS 192u /* up to here the solvers factor without help */
 
 /* ---- calling tribo_system_solve -------------------------------------------------------------- */
@@ -172,8 +174,9 @@ static void to_world(const scene_trace *trace, const double impulse[3], double o
 /* ---- impacts --------------------------------------------------------------------------------- */
 
 /* Whether the surfaces meet before the next midpoint, faster than they may without parting. The
- * impact takes place at this one, when half of what forces give has been given. */
-static int is_impact(const scene_run *run, size_t i)
+ * impact takes place at this one, when half of what forces give has been given.
+ * meets: receives when they do, s from now on. */
+static int is_impact(const scene_run *run, size_t i, double *meets)
 {
     const tribo_scene *s = run->scene;
     const tribo_scene_contact *c = point_at(run, i);
@@ -189,22 +192,67 @@ static int is_impact(const scene_run *run, size_t i)
     const double approach = -0.5 * (start + end);
     const double threshold =
         run->options.threshold > 0.0 ? run->options.threshold : greater(start - end, 0.0);
+    *meets = greater(c->distance, 0.0) / -end;
     return approach > threshold && c->distance + run->h * end < 0.0;
 }
 
+/* When each dynamic body has its first impact. */
+static void find_firsts(scene_run *run)
+{
+    tribo_scene *s = run->scene;
+    const size_t count = s->points[run->points_to].count;
+    double *firsts = s->firsts.data;
+    for (uint32_t i = 0; i < s->end; i++) {
+        firsts[i] = run->h;
+    }
+    for (size_t i = 0; i < count; i++) {
+        const tribo_scene_contact *c = point_at(run, i);
+        const scene_trace *trace = trace_at(run, i);
+        if (trace->is_impact != 0) {
+            firsts[c->a] = lesser(firsts[c->a], trace->meets);
+            firsts[c->b] = lesser(firsts[c->b], trace->meets);
+        }
+    }
+}
+
+/* Whether neither body has something before it to meet, by more than a part of the sub-step: what
+ * comes later may not come at all. */
+static int is_first(const scene_run *run, size_t i)
+{
+    const tribo_scene *s = run->scene;
+    const uint32_t bodies[2] = {point_at(run, i)->a, point_at(run, i)->b};
+    const double *firsts = s->firsts.data;
+    for (int side = 0; side < 2; side++) {
+        if (scene_slots(s)[bodies[side]].kind == TRIBO_BODY_DYNAMIC &&
+            trace_at(run, i)->meets > firsts[bodies[side]] + AT_ONCE * run->h) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Mark the impacts of a pass. */
 static size_t find_impacts(scene_run *run)
 {
     const size_t count = run->scene->points[run->points_to].count;
+    size_t due = 0;
     size_t found = 0;
     if (run->options.skip & TRIBO_SKIP_RESTITUTION) {
         return 0;
     }
     for (size_t i = 0; i < count; i++) {
         scene_trace *trace = trace_at(run, i);
-        trace->is_impact = trace->is_active != 0 && is_impact(run, i) ? 1 : 0;
-        trace->is_marked = trace->is_impact;
-        trace->impacts += trace->is_impact;
-        found += trace->is_impact;
+        trace->is_impact = trace->is_active != 0 && is_impact(run, i, &trace->meets) ? 1 : 0;
+        due += trace->is_impact;
+    }
+    if (due > 0) {
+        find_firsts(run);
+    }
+    for (size_t i = 0; i < count && due > 0; i++) {
+        scene_trace *trace = trace_at(run, i);
+        trace->is_marked = trace->is_impact != 0 && is_first(run, i) ? 1 : 0;
+        trace->impacts += trace->is_marked;
+        found += trace->is_marked;
     }
     return found;
 }
@@ -216,8 +264,8 @@ static uint32_t island_mark(const scene_run *run, const uint32_t *marks, size_t 
     return marks[own ? c->a : c->b];
 }
 
-/* Rows of the islands in which something has an impact: that, and contacts that are closed. What an
- * impact sends across a gap has one of its own in the next pass. */
+/* Rows of the islands in which something has an impact now: that, and contacts that are closed. What
+ * an impact sends across a gap has one of its own in a later pass. */
 static size_t lay_impacts(scene_run *run)
 {
     tribo_scene *s = run->scene;
@@ -228,9 +276,9 @@ static size_t lay_impacts(scene_run *run)
         const scene_trace *trace = trace_at(run, i);
         const int is_closed = point_at(run, i)->distance <= trace->slop;
         if (trace->is_active != 0 && island_mark(run, marks, i) != 0 &&
-            (trace->is_impact != 0 || is_closed)) {
+            (trace->is_marked != 0 || is_closed)) {
             tribo_system_contact *row = lay_row(run, rows++, i);
-            row->pair.e = trace->is_impact != 0 ? trace->pair.e : 0.0;
+            row->pair.e = trace->is_marked != 0 ? trace->pair.e : 0.0;
         }
     }
     return rows;
@@ -303,12 +351,16 @@ static tribo_status reserve_impacts(scene_run *run)
 /* One impact may lead to the next. What the last pass leaves goes on in the next sub-step. */
 tribo_status scene_solve_impacts(scene_run *run)
 {
-    tribo_status status = TRIBO_OK;
+    tribo_scene *s = run->scene;
+    tribo_status status = scene_reserve(s, &s->firsts, s->end, sizeof(double));
+    if (status != TRIBO_OK) {
+        return status;
+    }
     size_t found = find_impacts(run);
     if (found > 0) {
         status = reserve_impacts(run);
     }
-    for (int pass = 0; status == TRIBO_OK && found > 0 && pass < MAX_PASSES; pass++) {
+    for (int pass = 0; status == TRIBO_OK && found > 0 && pass < MAX_IMPACTS; pass++) {
         run->info.impacts += found;
         status = do_impacts(run);
         found = find_impacts(run);

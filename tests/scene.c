@@ -315,23 +315,25 @@ static void test_tripod_couples_slide_and_spin(void **state)
 }
 
 /* Balls that touch share an impact: Newton's law for all contacts at once. Balls with gaps pass it
- * on. */
+ * on, also where one could come to all others in a step, were they not in each other's way. */
 static void test_cradles(void **state)
 {
     static const double shared[5] = {-0.6, 0.4, 0.4, 0.4, 0.4};
     static const double passed[5] = {0.0, 0.0, 0.0, 0.0, 1.0};
     (void)state;
-    for (int k = 0; k < 2; k++) {
+    for (int k = 0; k < 4; k++) {
+        const int has_gaps = k % 2;
         tribo_scene *scene = make_scene(0.0, 0.0, 0);
         tribo_scene_body ball = sphere_of(1.0, 0.5, 0.0, 1.0);
+        const double dt = k < 2 ? 0.01 : 8.0;
         for (int i = 0; i < 5; i++) {
             ball.state.velocity[0] = i == 0 ? 1.0 : 0.0;
-            add_at(scene, &ball, i == 0 ? -0.005 : i * (k == 0 ? 1.0 : 1.001), 0.0, 0.0);
+            add_at(scene, &ball, i == 0 ? -0.5 * dt : i * (has_gaps ? 1.001 : 1.0), 0.0, 0.0);
         }
-        run(scene, 0.01, 100, NULL);
+        run(scene, dt, k < 2 ? 100 : 4, NULL);
         for (uint32_t i = 0; i < 5; i++) {
             const double v = state_of(scene, i).velocity[0];
-            within(fabs(v - (k == 0 ? shared[i] : passed[i])), 1e-12);
+            within(fabs(v - (has_gaps ? passed[i] : shared[i])), 1e-12);
         }
         tribo_scene_destroy(scene);
     }
@@ -512,27 +514,33 @@ static void test_encounters_conserve(void **state)
     settle("momentum and energy of encounters");
 }
 
-/* An elastic heap of spheres, frictionless: total energy to rounding over many impacts. */
+/* An elastic heap of spheres, frictionless: total energy to rounding over many impacts. In long
+ * steps what comes to rest on others takes some; none comes up. */
 static void test_elastic_heap_keeps_energy(void **state)
 {
-    tribo_scene *scene = make_scene(0.0, -G, 0);
     (void)state;
-    add_floor(scene, 0.0, 1.0);
-    for (int i = 0; i < 64; i++) {
-        tribo_scene_body ball = sphere_of(10.0, 0.1, 0.0, 1.0);
-        const double x = 0.21 * (i % 4) + 1e-3 * random_number();
-        const double y = 0.21 * (i / 4 % 4) + 1e-3 * random_number();
-        const double z = 1.1 + 0.21 * (i / 16) + 1e-3 * random_number();
-        add_at(scene, &ball, x, y, z);
+    for (int k = 0; k < 2; k++) {
+        const double dt = k == 0 ? 0.01 : 0.1;
+        tribo_scene *scene = make_scene(0.0, -G, 0);
+        add_floor(scene, 0.0, 1.0);
+        for (int i = 0; i < 64; i++) {
+            tribo_scene_body ball = sphere_of(10.0, 0.1, 0.0, 1.0);
+            const double x = 0.21 * (i % 4) + 1e-3 * random_number();
+            const double y = 0.21 * (i / 4 % 4) + 1e-3 * random_number();
+            const double z = 1.1 + 0.21 * (i / 16) + 1e-3 * random_number();
+            add_at(scene, &ball, x, y, z);
+        }
+        const double before = energy_of(scene);
+        const tribo_step_info info = run(scene, dt, (int)(2.0 / dt + 0.5), NULL);
+        const double gained = energy_of(scene) - before;
+        print_message("# step %g s: %d impacts, energy off by %.3g of %g J\n", dt,
+                      (int)info.impacts, gained, before);
+        assert_true(info.impacts > 100);
+        within(fmax(gained, k == 0 ? -gained : 0.0), 1e-11 * before);
+        within(fmax(-gained, 0.0), 0.05 * before);
+        tribo_scene_destroy(scene);
     }
-    const double before = energy_of(scene);
-    const tribo_step_info info = run(scene, 0.01, 200, NULL);
-    print_message("# %d impacts, energy off by %.3g of %g J\n", (int)info.impacts,
-                  energy_of(scene) - before, before);
-    assert_true(info.impacts > 100);
-    within(fabs(energy_of(scene) - before), 1e-11 * before);
     settle("elastic heap");
-    tribo_scene_destroy(scene);
 }
 
 /* A wall of 1 cm stops a ball at 300 m/s, which passes 5 m in a step. */
