@@ -194,7 +194,8 @@ CLI_OBJECTS := $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard src/cli/*.c))
 SUPPORT_OBJECTS := $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard tests/support/*.c))
 # Rooms of libtribo and of the program; the targets of all others link libtribo_core alone.
 FULL_ROOMS := broad collide scene shape sparse table
-FULL_SUPPORT := $(BUILD)/obj/fuzz/support/shapes.o $(BUILD)/obj/tests/support/pairs.o
+FULL_SUPPORT := $(patsubst %,$(BUILD)/obj/%.o,fuzz/support/scenes fuzz/support/shapes \
+    tests/support/pairs)
 FUZZ_OBJECTS := $(filter-out $(FULL_SUPPORT),$(SUPPORT_OBJECTS) \
     $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard fuzz/support/*.c)))
 ROOMS := $(patsubst fuzz/%.c,%,$(wildcard fuzz/*.c))
