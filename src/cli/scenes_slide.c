@@ -300,6 +300,80 @@ static void run_disc_108(world *w, scene_answer *answer)
     answer_disc(w, 6, answer);
 }
 
+/* ---- B4: rolling and spinning resistance ----------------------------------------------------- */
+
+static const double RESIST_RADIUS = 0.5, RESIST_LENGTH = 0.02, RESIST_SPEED = 1.0;
+
+/* A ball that rolls without slip, or spins on the spot, until resistance stops it. */
+static tribo_body run_resisted(world *w, double speed, double spin)
+{
+    const tribo_scene_body ground = world_floor(0.5, 0.0);
+    tribo_scene_body ball = world_ball(1.0, RESIST_RADIUS, 0.5, 0.0);
+
+    world_begin(w, 0.0, 0.0, -WORLD_G);
+    ball.rolling = RESIST_LENGTH;
+    ball.spinning = RESIST_LENGTH;
+    ball.state.velocity[0] = speed;
+    ball.state.angular_velocity[1] = speed / RESIST_RADIUS;
+    ball.state.angular_velocity[2] = spin;
+    world_add(w, &ground);
+    const uint32_t id = world_add_at(w, &ball, 0.0, 0.0, RESIST_RADIUS);
+    world_run(w, w->seconds);
+    return world_state(w, id);
+}
+
+/* 5/7 delta g / R. */
+static double rolling_deceleration(void)
+{
+    return 5.0 / 7.0 * RESIST_LENGTH * WORLD_G / RESIST_RADIUS;
+}
+
+static void run_rolling(world *w, scene_answer *answer)
+{
+    answer->metric = run_resisted(w, RESIST_SPEED, 0.0).velocity[0];
+    answer->exact = fmax(RESIST_SPEED - rolling_deceleration() * w->time, 0.0);
+}
+
+static void run_rolling_way(world *w, scene_answer *answer)
+{
+    const tribo_body end = run_resisted(w, RESIST_SPEED, 0.0);
+
+    answer->metric = end.position[0];
+    answer->exact = 0.5 * RESIST_SPEED * RESIST_SPEED / rolling_deceleration();
+    answer->error = fmax(fabs(answer->metric - answer->exact), fabs(end.velocity[0]));
+}
+
+/* 5/2 delta g / R^2. */
+static void run_spinning(world *w, scene_answer *answer)
+{
+    const double spin = 3.0;
+    const double braking = 2.5 * RESIST_LENGTH * WORLD_G / (RESIST_RADIUS * RESIST_RADIUS);
+
+    answer->metric = run_resisted(w, 0.0, spin).angular_velocity[2];
+    answer->exact = fmax(spin - braking * w->time, 0.0);
+}
+
+/* Down a slope a ball rolls without slip if mu >= 2/7 tan: a thousandth above and below. */
+static void run_rolling_limit(world *w, scene_answer *answer)
+{
+    const double slope = 0.5, limit = 2.0 / 7.0 * tan(slope);
+
+    answer->error = 0.0;
+    for (int k = 0; k < 2; k++) {
+        const double mu = limit * (k == 0 ? 0.999 : 1.001);
+        const double slides = sin(slope) - mu * cos(slope), rolls = 5.0 / 7.0 * sin(slope);
+        const tribo_scene_body ground = world_floor(mu, 0.0);
+        const tribo_scene_body ball = world_ball(1.0, 0.5, mu, 0.0);
+        world_begin(w, WORLD_G * sin(slope), 0.0, -WORLD_G * cos(slope));
+        world_add(w, &ground);
+        const uint32_t id = world_add_at(w, &ball, 0.0, 0.0, 0.5);
+        world_run(w, w->seconds);
+        answer->metric = world_state(w, id).velocity[0];
+        answer->exact = WORLD_G * w->time * fmax(slides, rolls);
+        answer->error = fmax(answer->error, fabs(answer->metric - answer->exact));
+    }
+}
+
 /* ---- B5: on a turntable ---------------------------------------------------------------------- */
 
 /* A ball that rolls on a table of angular velocity Omega goes round at 2/7 of it, wherever it is.
@@ -485,6 +559,52 @@ static const scene_entry ENTRIES[] = {
      .scale = SCENE_PER_DT,
      .reason = "first order in the step",
      .run = run_tripod_stop},
+    {.name = "b4-rolling",
+     .what = "a ball of 0.5 m rolls at 1 m/s, rolling resistance of 0.02 m",
+     .metric = "speed, m/s",
+     .dt = 1e-2,
+     .seconds = 1.0,
+     .tolerance = 32.0,
+     .scale = SCENE_PER_STEP,
+     .reason = "rounding: the deceleration is 5/7 delta g / R at any step",
+     .run = run_rolling},
+    {.name = "b4-rolling-way",
+     .what = "the same until it stops, and does not roll back",
+     .metric = "way, m; error: of it, or the speed that is left, m/s",
+     .dt = 1e-2,
+     .seconds = 5.0,
+     .tolerance = 1.0,
+     .scale = SCENE_PER_DT,
+     .reason = "less than half a step at 1 m/s at the start, and at the end",
+     .run = run_rolling_way},
+    {.name = "b4-spinning",
+     .what = "a ball of 0.5 m spins at 3 rad/s, spinning resistance of 0.02 m",
+     .metric = "angular velocity, rad/s",
+     .dt = 1e-2,
+     .seconds = 1.0,
+     .tolerance = 32.0,
+     .scale = SCENE_PER_STEP,
+     .reason = "rounding: the deceleration is 5/2 delta g / R^2 at any step",
+     .run = run_spinning},
+    {.name = "b4-spinning-stop",
+     .what = "the same until it stops",
+     .metric = "angular velocity, rad/s",
+     .dt = 1e-2,
+     .seconds = 3.0,
+     .tolerance = 32.0,
+     .scale = SCENE_PER_STEP,
+     .reason = "rounding: it stops within a step and does not turn back",
+     .run = run_spinning},
+    {.name = "b4-limit",
+     .what =
+         "a ball on a slope of 0.5, mu a thousandth above and below 2/7 tan: it rolls, or slips",
+     .metric = "speed of the ball that rolls, m/s; error: of both",
+     .dt = 1e-2,
+     .seconds = 1.0,
+     .tolerance = 32.0,
+     .scale = SCENE_PER_STEP,
+     .reason = "rounding: both accelerations are constant",
+     .run = run_rolling_limit},
     {.name = "b5-turntable",
      .what = "a ball rolls on a table that turns at 2 rad/s",
      .metric = "distance from its orbit at 4/7 rad/s, m",
