@@ -1,7 +1,8 @@
 #!/bin/sh
 # What the bindings share: the interface as data, and the test vectors. TAP.
 #
-#   tests/bindings.sh [--update]      --update writes bindings/api.json and bindings/vectors.json anew
+#   tests/bindings.sh [--update]      --update writes bindings/api.json, bindings/vectors.json and what
+#                                     bindings generate from them anew
 set -u
 SRCDIR=${SRCDIR:-.}
 BUILD=${BUILD:-$SRCDIR/build}
@@ -15,7 +16,10 @@ for candidate in python3 /usr/bin/python3; do
 done
 
 if [ "${1:-}" = --update ]; then
-    "$python" api.py write && "$vectors" >vectors.json
+    "$python" api.py write && "$vectors" >vectors.json || exit
+    for generate in */generate.py; do
+        "$python" "$generate" write || exit
+    done
     exit
 fi
 
