@@ -144,6 +144,12 @@ newton *newton_take(arena *a, uint32_t count, uint32_t bodies, uint32_t torques,
 
 /* ---- natural map ----------------------------------------------------------------------------- */
 
+static void copy(size_t count, const double *from, double *to)
+{
+    for (size_t i = 0; i < count; i++)
+        to[i] = from[i];
+}
+
 static double coefficient(const newton *n, size_t c)
 {
     return n->problem->mu[2 * c];
@@ -290,7 +296,9 @@ static uint32_t rows_of(const newton *n, size_t c)
     return n->mode[c] == OPEN ? 0u : coefficient(n, c) > 0.0 ? 3u : 1u;
 }
 
-/* Number the unknowns; what is known of the step goes to `step`, and -F - P E W step to x. */
+/* Number the unknowns; what is known of the step goes to `step`, and -F - P E W step to x. Impulses
+ * that shall vanish do so at once, not by the rounding of F / g at a time: they would become subnormal.
+ */
 static uint32_t number_rows(newton *n)
 {
     const system_problem *p = n->problem;
@@ -300,7 +308,7 @@ static uint32_t number_rows(newton *n)
         n->place[c] = rows;
         rows += rows_of(n, c);
         for (uint32_t k = 0; k < 3; k++)
-            n->step[3 * c + k] = k < rows_of(n, c) ? 0.0 : -n->f[3 * c + k] / n->gain[c];
+            n->step[3 * c + k] = k < rows_of(n, c) ? 0.0 : -n->r[3 * c + k];
     }
     n->place[p->count] = rows;
     certificate_velocity(p, n->step, n->dv, n->moved);
@@ -636,7 +644,7 @@ static void follow_normal(newton *n, uint32_t dense, size_t c, const double inve
         for (int k = 0; k < 3; k++)
             across[3 * i + k] = n->unit * (lag[i] * before[k]);
     }
-    if (n->mode[c - 1] != OPEN && n->mode[c] == SLIP)
+    if (n->mode[c] == SLIP)
         add_blocks(n, dense, c, c - 1, across);
 }
 
@@ -659,6 +667,36 @@ static void clear_matrix(newton *n, uint32_t dense)
         n->x[i] = 0.0;
 }
 
+/* slope = D = A^-1 P E, step = A^-1 F. An open contact has P = 0, A = g, F = g r, and so has its
+ * torque: such impulses vanish at once, as in number_rows. */
+static int reduce_contact(newton *n, uint32_t dense, size_t c)
+{
+    const int turns = resist_is_torque(n->problem, c);
+    double *slope = n->slope + 9 * c;
+    double *known = n->step + 3 * c;
+    double inverse[9];
+    double d[9];
+
+    if (n->mode[turns ? c - 1 : c] == OPEN) {
+        copy(3, n->r + 3 * c, known);
+        for (int i = 0; i < 9; i++)
+            slope[i] = 0.0;
+        return 1;
+    }
+    if (!invert3(n->own + 9 * c, inverse))
+        return 0;
+    for (int i = 0; i < 9; i++) {
+        const double *row = inverse + i / 3 * 3;
+        const double *column = slope + i % 3;
+        d[i] = row[0] * column[0] + row[1] * column[3] + row[2] * column[6];
+    }
+    copy(9, d, slope);
+    apply3(inverse, n->right + 3 * c, known);
+    if (turns)
+        follow_normal(n, dense, c, inverse, known);
+    return 1;
+}
+
 /* (1 + H^T D H) x = -H^T A^-1 F, H = J M^-1/2, D = A^-1 P E; then dr = -A^-1 F - D H x. Masses are
  * divided by a power of two, so that the root of an odd one is the same for all: x / unit. */
 static int step_on_bodies(newton *n, newton_run *run)
@@ -670,23 +708,12 @@ static int step_on_bodies(newton *n, newton_run *run)
     clear_matrix(n, dense);
     for (size_t c = 0; c < p->count; c++) {
         const double *half = n->half + 36 * c;
-        double inverse[9];
+        const double *known = n->step + 3 * c;
         double d[9];
-        double *known = n->step + 3 * c;
-        if (!invert3(n->own + 9 * c, inverse))
+        if (!reduce_contact(n, dense, c))
             return 0;
-        for (int i = 0; i < 9; i++) {
-            const double *row = inverse + i / 3 * 3;
-            const double *column = n->slope + 9 * c + i % 3;
-            d[i] = row[0] * column[0] + row[1] * column[3] + row[2] * column[6];
-        }
-        apply3(inverse, n->right + 3 * c, known);
-        if (resist_is_torque(p, c))
-            follow_normal(n, dense, c, inverse, known);
-        for (int i = 0; i < 9; i++) {
-            n->slope[9 * c + (size_t)i] = d[i];
-            d[i] *= n->unit;
-        }
+        for (size_t i = 0; i < 9; i++)
+            d[i] = n->unit * n->slope[9 * c + i];
         if (n->mode[c] == OPEN && known[0] == 0.0 && known[1] == 0.0 && known[2] == 0.0)
             continue;
         for (uint32_t side = 0; side < 2; side++) {
@@ -800,12 +827,6 @@ double newton_price(newton *n, const system_problem *problem, const newton_run *
 }
 
 /* ---- iteration ------------------------------------------------------------------------------- */
-
-static void copy(size_t count, const double *from, double *to)
-{
-    for (size_t i = 0; i < count; i++)
-        to[i] = from[i];
-}
 
 static void exchange(double **a, double **b)
 {

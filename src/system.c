@@ -13,6 +13,9 @@
 #define DEFAULT_DENSE 192u
 /* Greatest residual, of the greatest speed before: whatever the impulses are. */
 #define RESIDUAL_SHARE 0.1
+/* Parts of a unit vector below this, 2^-100, are far below rounding, but not their products: those
+ * become subnormal, and scaling by powers of two would change bits. */
+#define LEAST_PART 7.8886090522101181e-31
 
 /* ---- options and info ------------------------------------------------------------------------ */
 
@@ -474,6 +477,12 @@ static void lay_torque(plan *p, size_t place, const tribo_body *bodies,
     p->mu[2 * place] = p->mu[2 * place + 1] = p->restitution[place] = 0.0;
 }
 
+static void drop_small_parts(double frame[9])
+{
+    for (int k = 0; k < 9; k++)
+        frame[k] = absolute(frame[k]) < LEAST_PART ? 0.0 : frame[k];
+}
+
 static tribo_status lay_bodies(plan *p, const tribo_body *bodies,
                                const tribo_system_contact *contacts)
 {
@@ -491,6 +500,7 @@ static tribo_status lay_bodies(plan *p, const tribo_body *bodies,
     for (size_t i = 0; i < p->count; i++) {
         if (!(p->matrices[6 * i] > 0.0))
             return TRIBO_ERROR_IMMOVABLE;
+        drop_small_parts(p->frames + 9 * i);
         lay_contact(p, i, bodies, &contacts[contact_of(p, i)]);
         if (is_torque(p, i))
             lay_torque(p, i, bodies, &contacts[contact_of(p, i)]);

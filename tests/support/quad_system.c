@@ -206,7 +206,8 @@ static void judge(const view *c, double stiffness, size_t number, sums *sum, qua
         } else {
             mu = coefficient(c, speed, impulse, &got);
         }
-        const double own = EPS + c->noise / speed;
+        /* the map is a difference of impulses, which are far above P where W turns them easily */
+        const double own = EPS * (1.0 + strength / impulse) + c->noise / speed;
         const double normal = (double)(c->is_torque ? c->normal : c->r[0]);
         const double planar = c->is_torque ? strength : (double)length(2, c->r + 1);
         const double friction = planar + mu * fabs(normal);
