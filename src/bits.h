@@ -8,8 +8,10 @@
 
 #if defined(__GNUC__)
 #define TRIBO_ALWAYS_INLINE static inline __attribute__((always_inline))
+#define TRIBO_NEVER_INLINE static __attribute__((noinline))
 #else
 #define TRIBO_ALWAYS_INLINE static inline
+#define TRIBO_NEVER_INLINE static
 #endif
 
 #define TRIBO_EPS 2.220446049250313080847e-16 /* 2^-52 */

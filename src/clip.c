@@ -471,8 +471,14 @@ static void between_edges(const double frame[9], const polygon p[2], double s, d
     point->b = pair_feature(p[1].feature, PAIR_EDGE, 0);
 }
 
+static int is_share(double t)
+{
+    return t >= 0.0 - RIDGE && t <= 1.0 + RIDGE;
+}
+
 /* Edges of two rounded shapes: one point where they cross, the ends of the overlap where they are
- * parallel. */
+ * parallel; none if they cross beyond an end or not at the distance of the shapes: a line of a cone
+ * may lie a little across the normal. */
 static uint32_t touch_at_edges(const double frame[9], const polygon p[2], double distance,
                                pair_point points[2])
 {
@@ -486,10 +492,12 @@ static uint32_t touch_at_edges(const double frame[9], const polygon p[2], double
     const double bb = bu * bu + bv * bv;
     const double turn = au * bv - av * bu;
     if (turn * turn > PARALLEL * PARALLEL * (aa * bb)) {
-        between_edges(frame, p, held((du * bv - dv * bu) / turn), held((du * av - dv * au) / turn),
-                      &points[0]);
+        const double at_a = (du * bv - dv * bu) / turn;
+        const double at_b = (du * av - dv * au) / turn;
+        between_edges(frame, p, held(at_a), held(at_b), &points[0]);
+        const double off = absolute(points[0].distance - distance);
         points[0].distance = distance;
-        return 1;
+        return is_share(at_a) && is_share(at_b) && off <= RIDGE * lesser(p[0].size, p[1].size);
     }
     if (!(aa > 0.0 && bb > 0.0)) {
         between_edges(frame, p, 0.5, 0.5, &points[0]);
@@ -773,7 +781,8 @@ static uint32_t touch(const pair_query *query, const pair_face faces[2], const p
     flatten(&faces[1], frame, &p[1]);
     *size = lesser(p[0].size, p[1].size);
     if (faces[0].count == 2 && faces[1].count == 2) {
-        return touch_at_edges(frame, p, axis->distance, points);
+        const uint32_t count = touch_at_edges(frame, p, axis->distance, points);
+        return count > 0 ? count : add_witness(query, faces, frame, axis, points);
     }
     const int reference = choose_reference(faces, axis->normal, &cosine);
     return cosine >= ALIGNED ? touch_at_faces(query, faces, p, frame, reference, axis, points)

@@ -47,6 +47,12 @@ static double unit(const double v[3], double out[3])
     return tribo_vec3_normalize(v, out) == TRIBO_OK ? tribo_vec3_norm(v) : 0.0;
 }
 
+/* Takes out of v what it has along a unit vector. */
+static void square_to(const double axis[3], double v[3])
+{
+    tribo_vec3_add_scaled(v, 0.0 - tribo_vec3_dot(v, axis), axis, v);
+}
+
 /* One point at `middle`. */
 static void single(const pair_query *query, const double normal[3], const double middle[3],
                    double distance, uint32_t a, uint32_t b, tribo_manifold *out)
@@ -99,6 +105,9 @@ static void sphere_capsule(const pair_query *query, tribo_manifold *out)
     for (int i = 0; i < 3; i++) {
         apart[i] = 0.0 - (query->offset[i] + t * axis[i]);
     }
+    if (t == along) {
+        square_to(axis, apart); /* a short way has noise, which the length of the axis would show */
+    }
     const double length = unit(apart, normal);
     const uint32_t place = along > half ? 1 : along < -half ? 2 : 0;
     balls(query, center, query->a->size[0], query->b->size[0], length, normal,
@@ -132,6 +141,26 @@ static void separate(segments *g)
     }
 }
 
+/* Between points inside of segments the way is square to them: a short one has noise, which the
+ * lengths of the segments would show. */
+static void square_to_axes(segments *g, double sine2)
+{
+    const int a_inside = absolute(g->s) < g->half[0];
+    const int b_inside = absolute(g->t) < g->half[1];
+    double across[3];
+    if (a_inside) {
+        square_to(g->a, g->apart);
+    } else if (b_inside) {
+        square_to(g->b, g->apart);
+    }
+    if (a_inside && b_inside && sine2 > SEGMENTS_PARALLEL * SEGMENTS_PARALLEL) {
+        tribo_vec3_add_scaled(g->b, 0.0 - g->cosine, g->a, across);
+        if (unit(across, across) > 0.0) {
+            square_to(across, g->apart);
+        }
+    }
+}
+
 /* Nearest points of two segments (Ericson, Real-Time Collision Detection, 5.1.9), for unit
  * directions. The sine comes from the cross product: 1 - cosine^2 would lose half of the digits. */
 static void nearest_points(segments *g)
@@ -158,6 +187,7 @@ static void nearest_points(segments *g)
     g->t = within(t, g->half[1]);
     g->s = t == g->t ? s : within(da + g->t * g->cosine, g->half[0]);
     separate(g);
+    square_to_axes(g, sine2);
 }
 
 /* Directions of an end that touches: out of the segment's middle into it, or nothing inside. */

@@ -670,7 +670,7 @@ static int is_simple(const tribo_shape *shape)
 
 /* Few manifolds wait on the stack. Of many only the number is known after the first round; a second
  * one writes them out when nothing can fail any more but a library's memory. */
-static tribo_status collide_parts(const pair_query *whole, uint32_t method, uint32_t capacity,
+TRIBO_NEVER_INLINE tribo_status collide_parts(const pair_query *whole, uint32_t method, uint32_t capacity,
                                   tribo_manifold *manifolds, uint32_t *count,
                                   tribo_collide_info *info)
 {

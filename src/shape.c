@@ -105,7 +105,8 @@ static tribo_status check_simple(const tribo_shape *shape)
     }
 }
 
-static tribo_status check_compound(const tribo_shape *shape)
+/* Apart, so that all other shapes do not pay for its registers. */
+TRIBO_NEVER_INLINE tribo_status check_compound(const tribo_shape *shape)
 {
     const tribo_child *children = children_of(shape);
     if (!children) {
