@@ -41,6 +41,7 @@ const scene_group *const scene_groups[SCENE_GROUPS] = {
     &scenes_rest,
     &scenes_stack,
     &scenes_spin,
+    &scenes_units,
     &scenes_simbench,
 };
 

@@ -55,7 +55,7 @@ typedef struct scene_group {
 } scene_group;
 
 /** All groups. */
-enum { SCENE_GROUPS = 7 };
+enum { SCENE_GROUPS = 8 };
 extern const scene_group *const scene_groups[SCENE_GROUPS];
 extern const scene_group scenes_impact;   /**< A6 to A10 */
 extern const scene_group scenes_slide;    /**< B1 to B6 */
@@ -63,6 +63,7 @@ extern const scene_group scenes_limit;    /**< B7, B8, B16: how far bodies stay 
 extern const scene_group scenes_rest;     /**< B9, B10, B16, B17: bodies that come to rest */
 extern const scene_group scenes_stack;    /**< C2, C3 */
 extern const scene_group scenes_spin;     /**< B11 to B15 */
+extern const scene_group scenes_units;    /**< B18 */
 extern const scene_group scenes_simbench; /**< D1 to D3 */
 
 /** The entry of that name; null if there is none. */
