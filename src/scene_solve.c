@@ -499,6 +499,83 @@ static void count_contacts(scene_run *run, size_t rows)
     }
 }
 
+/* Whether a belt or a body that moves by itself may do work on what is held. */
+static int is_driven(const scene_run *run, size_t rows)
+{
+    const tribo_scene *s = run->scene;
+    const tribo_system_contact *row = s->rows.data;
+    for (size_t i = 0; i < rows; i++) {
+        const uint32_t ids[2] = {row[i].a, row[i].b};
+        if (row[i].target[1] != 0.0 || row[i].target[2] != 0.0) {
+            return 1;
+        }
+        for (int side = 0; side < 2; side++) {
+            if (scene_slots(s)[ids[side]].kind == TRIBO_BODY_KINEMATIC &&
+                scene_moves(&scene_bodies(s)[ids[side]])) {
+                return 1;
+            }
+        }
+    }
+    return 0;
+}
+
+/* The greatest share of the impulses that does not raise kinetic energy, T0 + k a + k^2 b. `still`
+ * has the velocities before them, and gets what they change. */
+static tribo_status find_share(const scene_run *run, tribo_body *still, double *share)
+{
+    static const double origin[3] = {0.0, 0.0, 0.0};
+    const tribo_scene *s = run->scene;
+    tribo_totals before;
+    tribo_totals after;
+    tribo_totals change;
+    tribo_status status = tribo_audit_bodies(s->end, still, origin, &before);
+    if (status == TRIBO_OK) {
+        status = tribo_audit_bodies(s->end, scene_bodies(s), origin, &after);
+    }
+    for (uint32_t i = 0; i < s->end; i++) {
+        const tribo_body *body = &scene_bodies(s)[i];
+        tribo_vec3_subtract(body->velocity, still[i].velocity, still[i].velocity);
+        tribo_vec3_subtract(body->angular_velocity, still[i].angular_velocity,
+                            still[i].angular_velocity);
+    }
+    if (status == TRIBO_OK) {
+        status = tribo_audit_bodies(s->end, still, origin, &change);
+    }
+    if (status == TRIBO_OK && after.energy > before.energy) {
+        const double a = after.energy - before.energy - change.energy;
+        *share = lesser(greater(-a / change.energy, 0.0), 1.0);
+    }
+    return status;
+}
+
+/* Impulses of a solve that was given up may raise kinetic energy: then they are taken in part. */
+static tribo_status hold_energy(scene_run *run, size_t rows)
+{
+    tribo_scene *s = run->scene;
+    tribo_body *still = s->still.data;
+    double *impulses = s->impulses.data;
+    double *torques = s->torques.data;
+    double share = 1.0;
+    const tribo_status status = find_share(run, still, &share);
+    if (status != TRIBO_OK || share == 1.0) {
+        return status;
+    }
+    for (uint32_t i = 0; i < s->end; i++) {
+        tribo_body *body = &scene_bodies(s)[i];
+        tribo_vec3_add_scaled(body->velocity, share - 1.0, still[i].velocity, body->velocity);
+        tribo_vec3_add_scaled(body->angular_velocity, share - 1.0, still[i].angular_velocity,
+                              body->angular_velocity);
+    }
+    for (size_t i = 0; i < 3 * rows; i++) {
+        impulses[i] *= share;
+        if (run->resists != 0) {
+            torques[i] *= share;
+        }
+    }
+    take_contacts(run, rows);
+    return TRIBO_OK;
+}
+
 /* What one solve sends through a surface that was far is held by the next. */
 static tribo_status solve_held(scene_run *run)
 {
@@ -519,6 +596,9 @@ static tribo_status solve_held(scene_run *run)
             take_contacts(run, rows);
             more = hold_more(run);
         }
+    }
+    if (status == TRIBO_OK && info.stop != TRIBO_STOP_TOLERANCE && !is_driven(run, rows)) {
+        status = hold_energy(run, rows);
     }
     if (status == TRIBO_OK) {
         tell_quality(run, &info);

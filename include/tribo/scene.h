@@ -26,7 +26,9 @@
  * velocities at both ends of the sub-step; this is of the wrong sign only where a contact comes to
  * rest or is met within the sub-step, and then by at most (h F)^2 / 8m for a force F on a mass m.
  * Moving bodies apart changes their potential energy and, by the move times the momentum, angular
- * momentum; it is the one thing here that does.
+ * momentum; it is the one thing here that does. Impulses of a contact solve that ends without its
+ * tolerance are taken in the greatest share that does not raise kinetic energy, unless belts or
+ * bodies that move by themselves act.
  *
  * An impact takes place at the midpoint before the surfaces meet: there is no overlap, and the
  * energy of a bounce is exact. Its place and time are early, by up to the way of one sub-step. What
