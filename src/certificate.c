@@ -389,7 +389,8 @@ static double worse(double a, double b)
     return b <= a ? a : b < HUGE_VAL ? b : HUGE_VAL;
 }
 
-/* Greatest eta over its tolerance, and greatest eta V. */
+/* Greatest eta over its tolerance, and greatest eta V. With mu above 1 the natural map divides by it
+ * what velocities leave open: there, signorini counts as well. */
 static verdict judge_by_eta(const system_problem *problem, const goal *wanted, const double *r,
                             const double *u, double *scratch)
 {
@@ -397,7 +398,8 @@ static verdict judge_by_eta(const system_problem *problem, const goal *wanted, c
 
     for (size_t c = 0; c < problem->count; c++) {
         const double v = velocity_scale(problem, c, r, scratch);
-        const double eta = measure_any(problem, c, v, r, u).eta;
+        const measured m = measure_any(problem, c, v, r, u);
+        const double eta = problem->mu[2 * c + 1] > 1.0 ? greater(m.eta, m.signorini) : m.eta;
         out.distance = worse(out.distance, eta);
         out.residual = worse(out.residual, (eta + NOISE) * v);
     }

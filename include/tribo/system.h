@@ -109,7 +109,8 @@ enum {
  *  misalignment | |omega| tau + bound omega | / (T Omega).
  *
  *  TRIBO_STOP_TOLERANCE by eta also promises eta V <= a tenth of the greatest |q|: where impulses
- *  grow without bound, eta falls though nothing is solved. */
+ *  grow without bound, eta falls though nothing is solved. Of contacts with mu_d above 1 it promises
+ *  signorini within the tolerance too: eta divides by mu what normal velocities leave open. */
 typedef struct tribo_system_info {
     uint32_t struct_size;    /**< sizeof(tribo_system_info), set by the caller */
     uint32_t stop;           /**< TRIBO_STOP_... */
