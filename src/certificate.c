@@ -446,8 +446,6 @@ double certificate_stiffness(const system_problem *problem)
 void certificate_write(const system_problem *problem, const double *r, const double *u,
                        double *scratch, tribo_system_info *info)
 {
-    const size_t numbers = 3 * (size_t)problem->count;
-    const double q_size = length(numbers, problem->q);
     double squares = 0.0;
     double before = 0.0;
     uint32_t contacts = 0;
@@ -471,6 +469,16 @@ void certificate_write(const system_problem *problem, const double *r, const dou
         info->misalignment = greater(info->misalignment, m.misalignment);
     }
     info->eta_rms = contacts != 0 ? sqrt(squares / (double)contacts) : 0.0;
+}
+
+void certificate_sum(const system_problem *problem, const double *r, const double *u,
+                     double *scratch, tribo_system_info *info)
+{
+    const size_t numbers = 3 * (size_t)problem->count;
+    const double q_size = length(numbers, problem->q);
+
+    if (problem->bodies != 0)
+        sizes_of_bodies(problem, r, scratch);
     const double map = sqrt(squared_map(problem, certificate_stiffness(problem), r, u, scratch));
     info->invariant = q_size > 0.0 ? map / q_size : 0.0;
     const double unit = sqrt(squared_map(problem, 1.0, r, u, scratch));

@@ -49,9 +49,13 @@ double certificate_growth(const system_problem *problem, const double *r, double
 /* Mean diagonal entry of W. */
 double certificate_stiffness(const system_problem *problem);
 
-/* Write the measures of impulses to info; the rest of it is left as it is. */
+/* Write the measures of contacts to info; the rest of it is left as it is. */
 void certificate_write(const system_problem *problem, const double *r, const double *u,
                        double *scratch, tribo_system_info *info);
+
+/* The same for the measures that are sums over contacts: invariant and siconos. */
+void certificate_sum(const system_problem *problem, const double *r, const double *u,
+                     double *scratch, tribo_system_info *info);
 
 /* Write the change of energy and its scale. */
 void certificate_energy(const system_problem *problem, const double *r, const double *u,

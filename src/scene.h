@@ -146,6 +146,7 @@ void scene_release(tribo_scene *s, scene_buffer *buffer);
 
 /* scene_contact.c */
 tribo_status scene_find_contacts(scene_run *run);
+tribo_status scene_place_near(scene_run *run, uint32_t i, double reach);
 void scene_point_velocity(const tribo_scene *s, const tribo_scene_contact *c, const double *kicks,
                           double u[3]);
 

@@ -2,6 +2,7 @@
 
 #define NEAR (1.0 / 64.0)               /* of the lesser radius: the default margin */
 #define SLOP 9.31322574615478515625e-10 /* 2^-30, of the lesser radius: overlap by rounding */
+#define SOLVED 0.0625 /* of the tolerance: overlap that the solver leaves from time to time */
 #define FIRST_MANIFOLDS 16u
 
 /* ---- what may come together ------------------------------------------------------------------ */
@@ -98,6 +99,18 @@ static double margin_of(const scene_run *run, double radius)
     return run->options.margin > 0.0 ? run->options.margin : NEAR * radius;
 }
 
+/* The box of a body holds what may touch it within `reach`, and what counts as near. */
+tribo_status scene_place_near(scene_run *run, uint32_t i, double reach)
+{
+    const double radius = scene_slots(run->scene)[i].radius;
+    const double margin = is_finite_radius(radius) ? margin_of(run, radius) : 0.0;
+    if (reach != reach || reach + margin != reach + margin) {
+        return TRIBO_ERROR_RANGE;
+    }
+    return scene_place_box(run->scene, i,
+                           may_come_anywhere(run, i) ? (double)INFINITY : reach + margin);
+}
+
 static tribo_status move_boxes(scene_run *run)
 {
     tribo_scene *s = run->scene;
@@ -111,12 +124,7 @@ static tribo_status move_boxes(scene_run *run)
             continue;
         }
         *reach = reach_of(run, i);
-        const double margin = is_finite_radius(slot->radius) ? margin_of(run, slot->radius) : 0.0;
-        if (*reach != *reach || *reach + margin != *reach + margin) {
-            return TRIBO_ERROR_RANGE;
-        }
-        status =
-            scene_place_box(s, i, may_come_anywhere(run, i) ? (double)INFINITY : *reach + margin);
+        status = scene_place_near(run, i, *reach);
     }
     return status;
 }
@@ -203,7 +211,7 @@ static tribo_status fill_trace(scene_run *run, const tribo_scene_contact *c,
     tribo_mat3_apply(trace->frame, recalled, trace->start);
     tribo_mat3_apply(trace->frame, recalled + 3, trace->turn);
     trace->margin = margin_of(run, radius);
-    trace->slop = SLOP * radius;
+    trace->slop = greater(SLOP, SOLVED * run->options.tolerance) * radius;
     return status;
 }
 

@@ -145,13 +145,14 @@ static int is_at_rest(const scene_run *run, const scene_slot *slot, const tribo_
     return tribo_vec3_norm(body->velocity) + turn * slot->radius < run->options.sleep_speed;
 }
 
-static tribo_status put_to_sleep(tribo_scene *s, uint32_t i)
+static tribo_status put_to_sleep(scene_run *run, uint32_t i)
 {
+    tribo_scene *s = run->scene;
     tribo_body *body = &scene_bodies(s)[i];
     scene_slots(s)[i].asleep = 1;
     memset(body->velocity, 0, sizeof body->velocity);
     memset(body->angular_velocity, 0, sizeof body->angular_velocity);
-    return scene_place_box(s, i, 0.0);
+    return scene_place_near(run, i, 0.0);
 }
 
 /* Islands are those of the contacts at the midpoint. */
@@ -172,7 +173,7 @@ tribo_status scene_fall_asleep(scene_run *run)
     spread(s, marks);
     for (uint32_t i = 0; status == TRIBO_OK && i < s->end; i++) {
         if (marks[i] == 0 && scene_is_awake(&scene_slots(s)[i])) {
-            status = put_to_sleep(s, i);
+            status = put_to_sleep(run, i);
         }
     }
     return status;

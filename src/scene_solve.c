@@ -1,8 +1,9 @@
 #include "scene.h"
 
-#define PARTING_TOLERANCE 1e-6 /* of moves that are a share of an overlap anyway, */
+#define PARTING_TOLERANCE 1e-3 /* of moves that are a share of an overlap anyway, */
 #define PARTING_ITERATIONS 32u /* and that the next sub-step goes on with */
 #define PARTING_SHARE 0.25
+#define CLOSED 0x1p-10 /* of the overlap that is left alone: a gap by rounding */
 #define MAX_PASSES 16
 #define MAX_IMPACTS 64      /* passes of these */
 #define AT_ONCE 0.0625      /* of a sub-step: impacts that are no more apart share a pass */
@@ -117,7 +118,8 @@ static tribo_status solve(scene_run *run, size_t count, const tribo_body *bodies
     int has_linear = 0;
     size_t size = 0;
     memset(info, 0, sizeof *info);
-    info->struct_size = sizeof *info;
+    info->restitution = 1.0;
+    info->struct_size = o.warm_start != 0 ? offsetof(tribo_system_info, eta_rms) : sizeof *info;
     tribo_status status = find_linear(run, o.solver, &linear, &has_linear);
     o.struct_size = sizeof o;
     o.tasks = run->options.tasks;
@@ -420,7 +422,8 @@ static size_t lay_contacts(scene_run *run)
             continue;
         }
         tribo_system_contact *row = lay_row(run, rows++, i);
-        row->target[0] = -greater(point_at(run, i)->distance, 0.0) / run->h;
+        const double gap = point_at(run, i)->distance;
+        row->target[0] = gap > CLOSED * trace->slop ? -gap / run->h : 0.0;
         for (int k = 0; k < 3; k++) {
             const int has = trace->start[0] > 0.0 && (k == 0 || row->dimension == 3);
             start[k] = has ? trace->start[k] : 0.0;

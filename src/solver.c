@@ -2,8 +2,10 @@
 
 #include "bits.h"
 
-/* Sweeps of the first batch, and the Newton steps whose price may still be missing in sweeps. */
+/* Sweeps of the first batch, from nothing and from a start, and the Newton steps whose price may
+ * still be missing in sweeps. */
 #define FIRST_SWEEPS 8
+#define WARM_SWEEPS 4
 #define FEW_STEPS 2.0
 #define JAM_GROWTH 1e6
 /* A contact within this share of its cone stands on it. */
@@ -76,7 +78,7 @@ static double sweep_until(solver *s, const system_problem *p, const double *free
     const tribo_system_options *o = s->options;
     sweep *sweeps = sweep_prepare(p, o->isa, s->sweep_memory);
     verdict least = judge(s, p, wanted, r);
-    uint32_t batch = FIRST_SWEEPS;
+    uint32_t batch = o->warm_start != 0 ? WARM_SWEEPS : FIRST_SWEEPS;
     double before = least.distance;
 
     copy(3 * (size_t)p->count, r, s->held);

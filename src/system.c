@@ -64,6 +64,12 @@ static tribo_status judge_info(const tribo_system_info *info)
                                                                            : TRIBO_OK;
 }
 
+/* Bytes that will be read: all, where nobody says so. */
+static uint32_t told_size(const tribo_system_info *info)
+{
+    return info != NULL ? info->struct_size : (uint32_t)sizeof *info;
+}
+
 static void give_info(tribo_system_info *whole, tribo_system_info *info)
 {
     if (info == NULL)
@@ -90,6 +96,7 @@ typedef struct plan {
     uint32_t contacts_given;
     uint32_t torques;
     uint32_t assembled; /* the form: 1 has no bodies */
+    uint32_t told;      /* bytes of the info that somebody reads */
     size_t links;       /* blocks of W, or twice the contacts */
 
     uint32_t *parent; /* union-find; later: component of a body or contact */
@@ -668,15 +675,25 @@ static void solve_all(plan *p, const tribo_system_options *o, const double *star
     info->stop = p->solver.stop;
 }
 
+static int is_told(const plan *p, size_t offset)
+{
+    return p->told > offset;
+}
+
 /* Measures of the plastic solution, then velocities and energy of the whole. */
 static int certify(plan *p, tribo_system_info *info)
 {
     const system_problem problem = whole_problem(p);
+    const size_t size = 3 * (size_t)p->count * sizeof *p->r;
 
     certificate_velocity(&problem, p->plastic, p->solver.dv, p->solver.u);
     certificate_write(&problem, p->plastic, p->solver.u, p->solver.v, info);
-    certificate_velocity(&problem, p->r, p->solver.dv, p->solver.u);
-    certificate_energy(&problem, p->r, p->solver.u, info);
+    if (is_told(p, offsetof(tribo_system_info, invariant)))
+        certificate_sum(&problem, p->plastic, p->solver.u, p->solver.v, info);
+    if (size > 0 && memcmp(p->r, p->plastic, size) != 0)
+        certificate_velocity(&problem, p->r, p->solver.dv, p->solver.u);
+    if (is_told(p, offsetof(tribo_system_info, energy)))
+        certificate_energy(&problem, p->r, p->solver.u, info);
     return all_finite(&info->energy, 1) && all_finite(&info->invariant, 1) &&
            all_finite(&info->eta, 1);
 }
@@ -863,7 +880,8 @@ static tribo_status solve_bodies(plan *p, const tribo_system_options *o, const t
         return p->solver.status;
     if (!certify(p, whole) || !give_velocities(p, p->bodies, bodies, velocities))
         return TRIBO_ERROR_RANGE;
-    momentum(p, bodies, whole);
+    if (is_told(p, offsetof(tribo_system_info, linear)))
+        momentum(p, bodies, whole);
     whole->seconds = solver_now(o) - p->solver.start;
     give_impulses(p, o, impulses);
     return TRIBO_OK;
@@ -892,6 +910,7 @@ tribo_status tribo_system_solve(size_t body_count, const tribo_body *bodies, siz
     if (status != TRIBO_OK)
         return status;
     plan_bodies(&p, &places, body_count, count, contacts, &o, &needed);
+    p.told = told_size(info);
     status = solve_bodies(&p, &o, bodies, contacts, impulses, velocities, &whole);
     whole.bytes = needed;
     if (status == TRIBO_OK)
@@ -1134,6 +1153,7 @@ tribo_status tribo_system_solve_assembled(size_t count, const uint32_t *row_star
     if (status != TRIBO_OK)
         return status;
     plan_blocks(&p, &places, count, row_starts, &o, &needed);
+    p.told = told_size(info);
     status = solve_blocks(&p, &o, &given, impulses, velocities, &whole);
     whole.bytes = needed;
     if (status == TRIBO_OK)

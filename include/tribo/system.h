@@ -112,7 +112,8 @@ enum {
  *  grow without bound, eta falls though nothing is solved. Of contacts with mu_d above 1 it promises
  *  signorini within the tolerance too: eta divides by mu what normal velocities leave open. */
 typedef struct tribo_system_info {
-    uint32_t struct_size;    /**< sizeof(tribo_system_info), set by the caller */
+    uint32_t struct_size;    /**< sizeof(tribo_system_info), set by the caller; of a smaller one
+                                  what lies beyond it is not computed either */
     uint32_t stop;           /**< TRIBO_STOP_... */
     uint32_t solver;         /**< the TRIBO_SOLVER_... that gave the result */
     uint32_t components;     /**< connected components (islands) of the system */
