@@ -69,8 +69,10 @@ static tribo_system_contact *lay_row(scene_run *run, size_t row, size_t i)
     memcpy(out->contact.arm_b, c->arm_b, sizeof c->arm_b);
     out->pair = trace->pair;
     out->pair.e = 0.0;
-    out->target[1] = trace->belt[1];
-    out->target[2] = trace->belt[2];
+    if (trace->pair.mu_s > 0.0) { /* else belts would count for the scale of residuals alone */
+        out->target[1] = trace->belt[1];
+        out->target[2] = trace->belt[2];
+    }
     return out;
 }
 

@@ -138,6 +138,8 @@ static void note_kind(property_trial *t, const tribo_scene_body *body)
         property_note(t, "  mu_d", &body->material.mu_d, 1);
         property_note(t, "  e", &body->material.e, 1);
         property_note(t, "  belt", body->belt, 3);
+        property_note(t, "  rolling", &body->rolling, 1);
+        property_note(t, "  spinning", &body->spinning, 1);
     }
 }
 
@@ -169,6 +171,10 @@ static void make_member(property_trial *t, uint32_t with, cast *c, uint32_t i)
     if (special == 2) {
         make_pose(t, NULL, -4, 0, &body->offset);
         tribo_vec3_scale(shape->size, body->offset.position, body->offset.position);
+    }
+    if ((with & SCENES_FRICTION) && special % 8 == 3) {
+        body->rolling = 0.25 * make_unit(t, NULL) * shape->size;
+        body->spinning = special == 3 ? 0.25 * make_unit(t, NULL) * shape->size : 0.0;
     }
     make_place(t, c, i, body);
     make_motion(t, with, c, i, body);
@@ -222,6 +228,8 @@ int scenes_scale(const cast *from, int length, int mass, int time, cast *out)
         scale(body->state.inverse_inertia, 6, -mass - 2 * length);
         scale(body->offset.position, 3, length);
         scale(body->belt, 3, length - time);
+        scale(&body->rolling, 1, length);
+        scale(&body->spinning, 1, length);
         scale(out->forces[i], 3, mass + length - 2 * time);
         scale(out->torques[i], 3, mass + 2 * length - 2 * time);
     }
