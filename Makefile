@@ -265,8 +265,8 @@ $(PROBLEMS): $(PROBLEM)
 $(PROBLEMS): ROOM_LIBS := $(HDF5_LIBS)
 
 # The scenes of the program are run by a test.
-SCENES := $(filter $(BUILD)/obj/src/cli/scene%.o $(BUILD)/obj/src/cli/world.o,$(CLI_OBJECTS)) \
-          $(BUILD)/obj/src/cli/cli.o
+SCENES := $(filter $(BUILD)/obj/src/cli/scene%.o,$(CLI_OBJECTS)) \
+          $(patsubst %,$(BUILD)/obj/src/cli/%.o,cli simbench world)
 $(BUILD)/tests/scenes: $(SCENES)
 
 # Siconos is optional: without it, its bench has tribo's own times alone.

@@ -1147,6 +1147,13 @@ scene_list()
     done
 }
 check "scene list" scene_list
+scene_simbench() # published figures stand beside scenes; steps of 1 s are none of theirs
+{
+    expect 0 '' scene simbench --dt 1 || return 1
+    [ "$(grep -c '^  tribo ' "$work/out")" = 5 ] && [ "$(grep -c '^  Bullet ' "$work/out")" = 5 ] &&
+        grep -q '5.18e+06 / 142.3x' "$work/out"
+}
+check "scene simbench" scene_simbench
 scene_csv()
 {
     scene_answer b2-roll --csv "$work/roll.csv" && awk -F, '

@@ -31,7 +31,7 @@ typedef struct world {
     double time; /**< of the present one, s */
     tribo_status status;
     uint64_t steps;       /**< of all scenes since the world was made */
-    double spent;         /**< s, in these steps */
+    double spent;         /**< s of processor time, in these steps */
     uint64_t impacts;     /**< of these steps, as in tribo_step_info */
     uint64_t sweeps;      /**< likewise */
     uint64_t newton;      /**< likewise */
@@ -106,7 +106,7 @@ void world_run(world *w, double seconds);
 /** Number of steps in so many seconds, at least 1. */
 uint64_t world_steps(const world *w, double seconds);
 
-/** Measure the time of what is no step: world_tick() before, world_tock(w, tick) after; counts as a
+/** Measure the processor time of what is no step: world_tick() before, world_tock(w, tick) after; counts as a
  *  step. */
 double world_tick(void);
 void world_tock(world *w, double tick);
