@@ -661,7 +661,9 @@ pub struct tribo_point {
     pub arm_b: [f64; 3],
     /// of the surfaces along the normal, m; negative inside
     pub distance: f64,
-    /// which features touch: persists from step to step while they do
+    /// which features touch, A's in the high half, B's in the low: persists from
+    /// step to step while they do. A corner within 1e-4 of the shortest side from
+    /// a vertex or edge has its name, so stacks of equal boxes keep theirs
     pub id: u64,
 }
 
@@ -818,7 +820,8 @@ const _: () = assert!(core::mem::size_of::<tribo_system_contact>() == 152);
 ///  misalignment | |omega| tau + bound omega | / (T Omega).
 ///
 ///  TRIBO_STOP_TOLERANCE by eta also promises eta V <= a tenth of the greatest |q|: where impulses
-///  grow without bound, eta falls though nothing is solved.
+///  grow without bound, eta falls though nothing is solved. Of contacts with mu_d above 1 it promises
+///  signorini within the tolerance too: eta divides by mu what normal velocities leave open.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct tribo_system_info {
@@ -1070,6 +1073,12 @@ pub struct tribo_scene_body {
     /// m/s, body axes: velocity of the surface past the body, as that of a
     /// conveyor; what it has along a normal does nothing
     pub belt: [f64; 3],
+    /// m, >= 0: length of rolling resistance, as in tribo_system_contact. Of two
+    /// bodies the greater counts, for rubber resists on steel as it does
+    /// on rubber
+    pub rolling: f64,
+    /// m, >= 0: the same of spinning resistance
+    pub spinning: f64,
 }
 
 impl Default for tribo_scene_body {
@@ -1081,7 +1090,7 @@ impl Default for tribo_scene_body {
 }
 
 #[cfg(target_pointer_width = "64")]
-const _: () = assert!(core::mem::size_of::<tribo_scene_body>() == 320);
+const _: () = assert!(core::mem::size_of::<tribo_scene_body>() == 336);
 
 /// Options of a step. All zeros but struct_size is the default.
 #[repr(C)]
@@ -1158,6 +1167,8 @@ pub struct tribo_step_info {
     pub contacts: u64,
     /// of these, those with one row
     pub frictionless: u64,
+    /// of these, those with a length of resistance: six rows
+    pub resisting: u64,
     /// of these, those with a warm start
     pub matched: u64,
     /// sub-steps with a contact solve
@@ -1192,7 +1203,7 @@ impl Default for tribo_step_info {
 }
 
 #[cfg(target_pointer_width = "64")]
-const _: () = assert!(core::mem::size_of::<tribo_step_info>() == 152);
+const _: () = assert!(core::mem::size_of::<tribo_step_info>() == 160);
 
 /// A contact point. A is the body with the lesser id.
 #[repr(C)]
@@ -1217,6 +1228,8 @@ pub struct tribo_scene_contact {
     pub distance: f64,
     /// on A, world axes, N s, in the last sub-step; without impacts
     pub impulse: [f64; 3],
+    /// of rolling and spinning resistance on A, world axes, N m s, the same
+    pub torque: [f64; 3],
 }
 
 impl Default for tribo_scene_contact {
@@ -1228,7 +1241,7 @@ impl Default for tribo_scene_contact {
 }
 
 #[cfg(target_pointer_width = "64")]
-const _: () = assert!(core::mem::size_of::<tribo_scene_contact>() == 128);
+const _: () = assert!(core::mem::size_of::<tribo_scene_contact>() == 152);
 
 /// What two bodies did to each other in a step. They touch in a step if in a sub-step of it they
 ///  exchange an impulse or a distance is not positive.
@@ -1837,8 +1850,8 @@ extern "C" {
     ///          with zero inverse mass, or not dynamic with another), TRIBO_ERROR_INERTIA (not dynamic
     ///          with any, or one that tribo_body_spin refuses), TRIBO_ERROR_SHAPE (HALFSPACE or MESH on
     ///          a dynamic body), TRIBO_ERROR_ORIENTATION (offset), TRIBO_ERROR_NOT_FINITE,
-    ///          TRIBO_ERROR_RANGE (a static body with velocities), TRIBO_ERROR_SUPPORT,
-    ///          TRIBO_ERROR_CAPACITY (2^30 bodies), TRIBO_ERROR_MEMORY.
+    ///          TRIBO_ERROR_FRICTION (a length < 0), TRIBO_ERROR_RANGE (a static body with velocities),
+    ///          TRIBO_ERROR_SUPPORT, TRIBO_ERROR_CAPACITY (2^30 bodies), TRIBO_ERROR_MEMORY.
     pub fn tribo_scene_add(scene: *mut tribo_scene, body: *const tribo_scene_body, id: *mut u32) -> tribo_status;
     /// Remove a body and its contacts; bodies that it touched wake. Its contacts are not told as ended.
     ///  @return TRIBO_ERROR_NULL, TRIBO_ERROR_INDEX.
