@@ -10,7 +10,7 @@
 #   make bench           nanoseconds per call, next to the error; other libraries beside
 #                        (ODE, Bullet, Box3D by cargo; Siconos), as far as they are there. A
 #                        solve beside Siconos has TRIBO_BENCH_SECONDS=20; recorded problems are
-#                        taken from TRIBO_DATA
+#                        taken from TRIBO_DATA. Scenes in time have TRIBO_BENCH_SECONDS=3 a run
 #   make fuzz            TIME=60 seconds for each fuzz target; ENGINE=libfuzzer or afl
 #   make deps            install the Debian packages that demo and check need (both do so anyway)
 #   make check-bindings  build and test the bindings whose toolchains are there; part of check

@@ -825,7 +825,8 @@ const _: () = assert!(core::mem::size_of::<tribo_system_contact>() == 152);
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct tribo_system_info {
-    /// sizeof(tribo_system_info), set by the caller
+    /// sizeof(tribo_system_info), set by the caller; of a smaller one
+    /// what lies beyond it is not computed either
     pub struct_size: u32,
     /// TRIBO_STOP_...
     pub stop: u32,
