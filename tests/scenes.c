@@ -94,6 +94,34 @@ static void test_first_order(void **state)
     settle("orders of convergence");
 }
 
+/* Rolling discs and tops on a point: half of the step, half of the error. */
+static void test_spin_is_of_first_order(void **state)
+{
+    static const char *const names[3] = {"b11-disc-03", "b15-top-slow", "b15-top-sleeping"};
+    static const double seconds[3] = {0.5, 2.0, 2.0};
+    (void)state;
+    for (int k = 0; k < 3; k++) {
+        world w;
+        const double coarse = play(names[k], 5e-4, seconds[k], &w).error;
+        const double fine = play(names[k], 2.5e-4, seconds[k], &w).error;
+        print_message("# %s: order %.3f\n", names[k], log2(coarse / fine));
+        within(fabs(log2(coarse / fine) - 1.0), 0.2);
+    }
+    settle("orders of spinning bodies");
+}
+
+/* Free bodies turn to rounding at any step. */
+static void test_flip_at_any_step(void **state)
+{
+    static const double steps[4] = {0.5, 0.1, 1.0 / 64.0, 1e-3};
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        world w;
+        play("b14-flip", steps[k], 5.0, &w);
+    }
+    settle("a free box");
+}
+
 /* What is exact is so at any step. */
 static void test_exact_at_any_step(void **state)
 {
@@ -185,6 +213,7 @@ int main(void)
 {
     static const struct CMUnitTest more[] = {
         TEST(test_names_are_unique),       TEST(test_first_order),
+        TEST(test_spin_is_of_first_order), TEST(test_flip_at_any_step),
         TEST(test_exact_at_any_step),      TEST(test_painleve_at_any_step),
         TEST(test_sampled_disc_converges), TEST(test_bounces_end),
         TEST(test_heaps_in_long_steps),    TEST(test_towers_rest_from_warm_starts),
