@@ -16,7 +16,7 @@ static const double origin[3] = {0.0, 0.0, 0.0};
 /* ---- scenes from bytes ----------------------------------------------------------------------- */
 
 /* What a scene may have. */
-enum { FLOOR = 1, FRICTION = 2, RESTITUTION = 4, GRAVITY = 8, PUSHED = 16 };
+enum { FLOOR = 1, FRICTION = 2, RESTITUTION = 4, GRAVITY = 8, PUSHED = 16, RESISTANCE = 32 };
 
 static void make_shape_of(property_trial *t, tribo_scene_body *out)
 {
@@ -48,6 +48,8 @@ static void make_scene_body(property_trial *t, uint32_t with, int place, tribo_s
     out->material.mu_s = (with & FRICTION) ? 2.0 * make_unit(t, "mu") : 0.0;
     out->material.mu_d = out->material.mu_s;
     out->material.e = (with & RESTITUTION) ? make_unit(t, "e") : 0.0;
+    out->rolling = (with & RESISTANCE) && make_choice(t, NULL, 2) == 1 ? make_unit(t, NULL) : 0.0;
+    out->spinning = (with & RESISTANCE) && make_choice(t, NULL, 2) == 1 ? make_unit(t, NULL) : 0.0;
 }
 
 static tribo_status fill(property_trial *t, uint32_t with, tribo_scene *world)
@@ -182,12 +184,12 @@ static void advance(tribo_scene *world, double dt, int steps, const tribo_step_o
 
 /* ---- properties ------------------------------------------------------------------------------ */
 
-static void nothing_breaks(property_trial *t)
+static void break_nothing(property_trial *t, uint32_t also)
 {
     tribo_step_options options;
     record seen;
     make_step_options(t, &options);
-    const uint32_t with = make_choice(t, "with", 32);
+    const uint32_t with = make_choice(t, "with", 32) | also;
     const double dt = 0.001 + 0.05 * make_unit(t, "dt");
     tribo_scene *world = make_world(t, with);
     ASSUME(t, world != NULL);
@@ -197,8 +199,18 @@ static void nothing_breaks(property_trial *t)
     REQUIRE(t, seen.sane);
 }
 
+static void nothing_breaks(property_trial *t)
+{
+    break_nothing(t, 0);
+}
+
+static void resistance_breaks_nothing(property_trial *t)
+{
+    break_nothing(t, RESISTANCE);
+}
+
 /* In empty space, as long as nothing is moved apart. */
-static void momentum_is_kept(property_trial *t)
+static void keep_momentum(property_trial *t, uint32_t also)
 {
     tribo_step_options options;
     record seen;
@@ -206,7 +218,7 @@ static void momentum_is_kept(property_trial *t)
     make_step_options(t, &options);
     options.skip |= TRIBO_SKIP_CORRECTION;
     options.sleep_time = 0.0;
-    const uint32_t with = make_choice(t, "with", 4) * FRICTION;
+    const uint32_t with = make_choice(t, "with", 4) * FRICTION | also;
     const double dt = 0.001 + 0.02 * make_unit(t, "dt");
     tribo_scene *world = make_world(t, with);
     ASSUME(t, world != NULL);
@@ -222,14 +234,24 @@ static void momentum_is_kept(property_trial *t)
     }
 }
 
-static void saved_state_goes_on(property_trial *t)
+static void momentum_is_kept(property_trial *t)
+{
+    keep_momentum(t, 0);
+}
+
+static void resistance_keeps_momentum(property_trial *t)
+{
+    keep_momentum(t, RESISTANCE);
+}
+
+static void go_on(property_trial *t, uint32_t also)
 {
     tribo_step_options options;
     record first;
     record second;
     size_t size = 0;
     make_step_options(t, &options);
-    const uint32_t with = make_choice(t, "with", 32);
+    const uint32_t with = make_choice(t, "with", 32) | also;
     const double dt = 0.001 + 0.05 * make_unit(t, "dt");
     const int flip = make_choice(t, "flip", 2) == 1;
     const size_t at = (size_t)make_bits(t, 2);
@@ -257,6 +279,16 @@ static void saved_state_goes_on(property_trial *t)
     if (!flip) {
         REQUIRE_SAME(t, &first, &second, sizeof first);
     }
+}
+
+static void saved_state_goes_on(property_trial *t)
+{
+    go_on(t, 0);
+}
+
+static void saved_resistance_goes_on(property_trial *t)
+{
+    go_on(t, RESISTANCE);
 }
 
 /* Bodies come, go and change between steps. */
@@ -312,6 +344,10 @@ static void wild_bodies(property_trial *t)
         body.offset.position[k] = make_hostile(t, "offset");
     }
     const double dt = make_hostile(t, "dt");
+    if (make_choice(t, "resists", 4) == 1) {
+        body.rolling = make_any(t, "rolling");
+        body.spinning = make_any(t, "spinning");
+    }
     ASSUME(t, tribo_scene_create(NULL, NULL, &world) == TRIBO_OK);
     const tribo_status status = tribo_scene_add(world, &body, &id);
     const tribo_status stepped = tribo_scene_step(world, dt, NULL, NULL);
@@ -321,6 +357,8 @@ static void wild_bodies(property_trial *t)
     tribo_scene_counts(world, &count, NULL);
     tribo_scene_destroy(world);
     REQUIRE(t, count == (status == TRIBO_OK ? 1u : 0u));
+    REQUIRE(t, status != TRIBO_OK || (body.rolling >= 0.0 && isfinite(body.rolling) &&
+                                      body.spinning >= 0.0 && isfinite(body.spinning)));
     REQUIRE(t, id == (status == TRIBO_OK ? 0u : 9u));
     REQUIRE_STATUS(t, got, status == TRIBO_OK ? TRIBO_OK : TRIBO_ERROR_INDEX);
     if (status == TRIBO_OK && stepped != TRIBO_OK) {
@@ -881,6 +919,9 @@ const property property_list[] = {
     {"threads_change_no_bit", threads_change_no_bit, 4000},
     {"memory_may_end", memory_may_end, 100},
     {"wild_options", wild_options, 40},
+    {"resistance_breaks_nothing", resistance_breaks_nothing, 40},
+    {"resistance_keeps_momentum", resistance_keeps_momentum, 40},
+    {"saved_resistance_goes_on", saved_resistance_goes_on, 40},
 };
 const size_t property_count = PROPERTY_COUNT(property_list);
 const unsigned property_trials = 20000;

@@ -14,7 +14,15 @@ enum { BODIES = 5, CONTACTS = 8, GUARD = 32 };
 #define UNITS 256.0
 
 /* What a system may have. */
-enum { PLAIN = 0, TARGETS = 1, RESTITUTION = 2, TWO_FRICTION = 4, SMOOTH = 8, NARROW = 16 };
+enum {
+    PLAIN = 0,
+    TARGETS = 1,
+    RESTITUTION = 2,
+    TWO_FRICTION = 4,
+    SMOOTH = 8,
+    NARROW = 16,
+    RESISTANCE = 32
+};
 
 /* ---- systems from bytes --------------------------------------------------------------------- */
 
@@ -52,6 +60,11 @@ static void make_contact_of(property_trial *t, size_t bodies, uint32_t with,
     }
     if ((with & TARGETS) && make_byte(t) % 2 == 1) {
         make_vector(t, "target", -4, 0, out->target);
+    }
+    if (with & RESISTANCE) {
+        const uint32_t which = make_byte(t) % 4;
+        out->rolling = which % 2 == 1 ? make_positive(t, "rolling", -8, 1) : 0.0;
+        out->spinning = which >= 2 ? make_positive(t, "spinning", -8, 1) : 0.0;
     }
 }
 
@@ -98,23 +111,31 @@ static int untouched(const double *array, size_t from, size_t bytes)
 typedef struct solution {
     tribo_status status;
     double impulses[3 * (2 * CONTACTS + GUARD)];
+    double torques[3 * (2 * CONTACTS + GUARD)];
     double velocities[6 * (2 * BODIES + GUARD)];
     tribo_system_info info;
     int kept; /* nothing was written behind the workspace */
 } solution;
 
-/* start (may be null): impulses of a warm start. */
-static void solve(const systems_scene *s, const tribo_system_options *options, const double *start,
+/* start (may be null): a warm start. */
+static void solve(const systems_scene *s, const tribo_system_options *given, const solution *start,
                   solution *out)
 {
+    tribo_system_options told = *given;
+    const tribo_system_options *options = &told;
     size_t size = 0;
+    if (told.struct_size == sizeof told) {
+        told.torques = out->torques;
+    }
     canary_set(out->impulses, sizeof out->impulses);
+    canary_set(out->torques, sizeof out->torques);
     canary_set(out->velocities, sizeof out->velocities);
     memset(&out->info, 0, sizeof out->info);
     out->info.struct_size = sizeof out->info;
     out->kept = 1;
     if (start != NULL) {
-        memcpy(out->impulses, start, 3 * s->count * sizeof *start);
+        memcpy(out->impulses, start->impulses, 3 * s->count * sizeof(double));
+        memcpy(out->torques, start->torques, 3 * s->count * sizeof(double));
     }
     out->status = tribo_system_workspace_size(s->body_count, s->count, s->contacts, options, &size);
     if (out->status != TRIBO_OK) {
@@ -134,6 +155,7 @@ static void solve(const systems_scene *s, const tribo_system_options *options, c
 static int same_results(const solution *a, const solution *b)
 {
     return a->status == b->status && property_same(a->impulses, b->impulses, sizeof a->impulses) &&
+           property_same(a->torques, b->torques, sizeof a->torques) &&
            property_same(a->velocities, b->velocities, sizeof a->velocities) &&
            property_same(&a->info.eta, &b->info.eta, sizeof a->info.eta) &&
            a->info.stop == b->info.stop && a->info.sweeps == b->info.sweeps &&
@@ -141,6 +163,12 @@ static int same_results(const solution *a, const solution *b)
 }
 
 /* ---- certificates --------------------------------------------------------------------------- */
+
+static void evaluate(const systems_scene *s, const solution *got, quad_certificate *truth)
+{
+    quad_certificate_with_torques(s->body_count, s->bodies, s->count, s->contacts, got->impulses,
+                                  got->torques, got->velocities, truth);
+}
 
 /* What holds for every solve, converged or not. */
 static void judge(property_trial *t, const systems_scene *s, const tribo_system_options *options,
@@ -150,6 +178,12 @@ static void judge(property_trial *t, const systems_scene *s, const tribo_system_
     int restitution = 0;
     for (size_t i = 0; i < s->count; i++) {
         const double *r = got->impulses + 3 * i;
+        const double *torque = got->torques + 3 * i;
+        const int full = s->contacts[i].dimension == 3;
+        const double rolling = full ? s->contacts[i].rolling * r[0] : 0.0;
+        const double spinning = full ? s->contacts[i].spinning * r[0] : 0.0;
+        REQUIRE(t, fabs(torque[0]) <= spinning * (1.0 + 16.0 * EPS));
+        REQUIRE(t, hypot(torque[1], torque[2]) <= rolling * (1.0 + 16.0 * EPS));
         const double mu = s->contacts[i].dimension == 1 ? 0.0 : s->contacts[i].pair.mu_s;
         REQUIRE(t, isfinite(r[0]) && isfinite(r[1]) && isfinite(r[2]));
         REQUIRE(t, r[0] >= 0.0 && tribo_cone_contains(r, mu, 16.0 * EPS));
@@ -157,9 +191,9 @@ static void judge(property_trial *t, const systems_scene *s, const tribo_system_
     }
     REQUIRE(t, got->kept);
     REQUIRE(t, untouched(got->impulses, 3 * s->count, sizeof got->impulses));
+    REQUIRE(t, untouched(got->torques, 3 * s->count, sizeof got->torques));
     REQUIRE(t, untouched(got->velocities, 6 * s->body_count, sizeof got->velocities));
-    quad_certificate_of_bodies(s->body_count, s->bodies, s->count, s->contacts, got->impulses,
-                               got->velocities, truth);
+    evaluate(s, got, truth);
     REQUIRE_AT_MOST(t, truth->velocity, UNITS * EPS);
     REQUIRE_AT_MOST(t, truth->linear, UNITS * truth->linear_noise);
     REQUIRE_AT_MOST(t, truth->angular, truth->gap + UNITS * truth->angular_noise);
@@ -171,13 +205,13 @@ static void judge(property_trial *t, const systems_scene *s, const tribo_system_
     }
 }
 
-static void certificate_is_true(property_trial *t)
+static void judge_certificate(property_trial *t, uint32_t also)
 {
     tribo_system_options options;
     quad_certificate truth;
     systems_scene s;
     static solution got;
-    const uint32_t with = make_choice(t, "with", 8) & (TARGETS | TWO_FRICTION);
+    const uint32_t with = (make_choice(t, "with", 8) & (TARGETS | TWO_FRICTION)) | also;
     make_options(t, &options);
     make_system(t, with, &s);
     solve(&s, &options, NULL, &got);
@@ -189,20 +223,29 @@ static void certificate_is_true(property_trial *t)
     systems_free(&s);
 }
 
+static void certificate_is_true(property_trial *t)
+{
+    judge_certificate(t, PLAIN);
+}
+
+static void certificate_of_torques_is_true(property_trial *t)
+{
+    judge_certificate(t, RESISTANCE);
+}
+
 /* Without targets and restitution a solution loses energy, to what the tolerance leaves. */
-static void energy_never_grows(property_trial *t)
+static void judge_energy(property_trial *t, uint32_t also)
 {
     tribo_system_options options;
     quad_certificate truth;
     systems_scene s;
     static solution got;
     make_options(t, &options);
-    make_system(t, make_choice(t, "two", 2) * TWO_FRICTION, &s);
+    make_system(t, make_choice(t, "two", 2) * TWO_FRICTION | also, &s);
     solve(&s, &options, NULL, &got);
     const int solved = got.status == TRIBO_OK && got.info.stop == TRIBO_STOP_TOLERANCE;
     if (solved) {
-        quad_certificate_of_bodies(s.body_count, s.bodies, s.count, s.contacts, got.impulses,
-                                   got.velocities, &truth);
+        evaluate(&s, &got, &truth);
     }
     systems_free(&s);
     ASSUME(t, solved);
@@ -213,21 +256,30 @@ static void energy_never_grows(property_trial *t)
                  UNITS * (truth.kinetic_noise + truth.energy_noise));
 }
 
+static void energy_never_grows(property_trial *t)
+{
+    judge_energy(t, PLAIN);
+}
+
+static void torques_take_energy(property_trial *t)
+{
+    judge_energy(t, RESISTANCE);
+}
+
 /* Restitution never adds energy, however many contacts there are, and parts one alone with -e
  * u_n. */
-static void restitution_never_adds_energy(property_trial *t)
+static void judge_restitution(property_trial *t, uint32_t also)
 {
     tribo_system_options options = {.struct_size = sizeof options};
     quad_certificate truth;
     systems_scene s;
     static solution got;
-    make_system(t, RESTITUTION | make_choice(t, "smooth", 2) * SMOOTH, &s);
+    make_system(t, RESTITUTION | make_choice(t, "smooth", 2) * SMOOTH | also, &s);
     options.max_iterations = 1000;
     solve(&s, &options, NULL, &got);
     const int good = got.status == TRIBO_OK;
     if (good) {
-        quad_certificate_of_bodies(s.body_count, s.bodies, s.count, s.contacts, got.impulses,
-                                   got.velocities, &truth);
+        evaluate(&s, &got, &truth);
     }
     const double e = s.contacts[0].pair.e;
     const int alone = s.count == 1 && s.contacts[0].dimension == 1;
@@ -254,6 +306,16 @@ static void restitution_never_adds_energy(property_trial *t)
     }
 }
 
+static void restitution_never_adds_energy(property_trial *t)
+{
+    judge_restitution(t, PLAIN);
+}
+
+static void restitution_beside_torques(property_trial *t)
+{
+    judge_restitution(t, RESISTANCE);
+}
+
 /* ---- symmetry ------------------------------------------------------------------------------- */
 
 static void backwards(void *user, void (*task)(void *data, uint32_t i), void *data, uint32_t count)
@@ -264,14 +326,14 @@ static void backwards(void *user, void (*task)(void *data, uint32_t i), void *da
     }
 }
 
-static void same_bits_however_run(property_trial *t)
+static void run_in_all_ways(property_trial *t, uint32_t also)
 {
     tribo_system_options options;
     systems_scene s;
     static solution want;
     static solution got;
     int same = 1;
-    const uint32_t with = make_choice(t, "with", 8);
+    const uint32_t with = make_choice(t, "with", 8) | also;
     make_options(t, &options);
     make_system(t, with, &s);
     solve(&s, &options, NULL, &want);
@@ -289,14 +351,33 @@ static void same_bits_however_run(property_trial *t)
     REQUIRE(t, same);
 }
 
-static void powers_of_two(property_trial *t)
+static void same_bits_however_run(property_trial *t)
+{
+    run_in_all_ways(t, PLAIN);
+}
+
+static void same_torques_however_run(property_trial *t)
+{
+    run_in_all_ways(t, RESISTANCE);
+}
+
+/* Make `got` comparable with `want`. Normals may have numbers of any size: what comes near to the
+ * least double loses bits, and counts as 0. */
+static void compare_scaled(double *got, double *want, int exponent)
+{
+    *got = ldexp(*got, exponent);
+    *got = fabs(*got) > 0x1p-900 ? *got : 0.0;
+    *want = fabs(*want) > 0x1p-900 ? *want : 0.0;
+}
+
+static void scale_by_powers(property_trial *t, uint32_t also)
 {
     tribo_system_options options;
     systems_scene s;
     systems_scene other;
     static solution want;
     static solution got;
-    const uint32_t with = make_choice(t, "with", 8);
+    const uint32_t with = make_choice(t, "with", 8) | also;
     const int length = make_exponent(t, -40, 40);
     const int mass = make_exponent(t, -40, 40);
     const int time = make_exponent(t, -40, 40);
@@ -307,15 +388,26 @@ static void powers_of_two(property_trial *t)
     solve(&s, &options, NULL, &want);
     solve(&other, &options, NULL, &got);
     for (size_t i = 0; i < 3 * s.count; i++) {
-        got.impulses[i] = ldexp(got.impulses[i], time - length - mass);
+        compare_scaled(&got.impulses[i], &want.impulses[i], time - length - mass);
+        compare_scaled(&got.torques[i], &want.torques[i], time - 2 * length - mass);
     }
     for (size_t i = 0; i < 6 * s.body_count; i++) {
-        got.velocities[i] = ldexp(got.velocities[i], i % 6 < 3 ? time - length : time);
+        compare_scaled(&got.velocities[i], &want.velocities[i], i % 6 < 3 ? time - length : time);
     }
     systems_free(&s);
     systems_free(&other);
     REQUIRE_STATUS(t, want.status, TRIBO_OK);
     REQUIRE(t, same_results(&got, &want));
+}
+
+static void powers_of_two(property_trial *t)
+{
+    scale_by_powers(t, PLAIN);
+}
+
+static void torques_scale(property_trial *t)
+{
+    scale_by_powers(t, RESISTANCE);
 }
 
 /* Frictionless systems have one velocity each: in any order, and with contacts met twice. */
@@ -386,19 +478,19 @@ static void islands_stay_apart(property_trial *t)
     REQUIRE(t, same);
 }
 
-static void solutions_start_warm(property_trial *t)
+static void start_warm(property_trial *t, uint32_t also)
 {
     tribo_system_options options;
     systems_scene s;
     static solution cold;
     static solution warm;
     make_options(t, &options);
-    make_system(t, make_choice(t, "two", 2) * TWO_FRICTION, &s);
+    make_system(t, make_choice(t, "two", 2) * TWO_FRICTION | also, &s);
     options.measure = TRIBO_MEASURE_INVARIANT;
     options.max_iterations = 2000;
     solve(&s, &options, NULL, &cold);
     options.warm_start = 1;
-    solve(&s, &options, cold.impulses, &warm);
+    solve(&s, &options, &cold, &warm);
     const int same = property_same(warm.impulses, cold.impulses, 3 * s.count * sizeof(double));
     systems_free(&s);
     REQUIRE_STATUS(t, warm.status, TRIBO_OK);
@@ -407,6 +499,16 @@ static void solutions_start_warm(property_trial *t)
     REQUIRE(t, warm.info.stop == TRIBO_STOP_TOLERANCE);
     REQUIRE(t, warm.info.sweeps + warm.info.steps <= 1);
     REQUIRE(t, same || warm.info.sweeps + warm.info.steps == 1);
+}
+
+static void solutions_start_warm(property_trial *t)
+{
+    start_warm(t, PLAIN);
+}
+
+static void torques_start_warm(property_trial *t)
+{
+    start_warm(t, RESISTANCE);
 }
 
 /* ---- one contact ---------------------------------------------------------------------------- */
@@ -635,17 +737,21 @@ static void bodies_wild(property_trial *t)
             c->dimension = fault % 5;
         } else if (fault < 72) {
             c->a = (uint32_t)make_bits(t, 4);
+        } else if (fault < 88) {
+            *(fault % 2 == 0 ? &c->rolling : &c->spinning) = make_any(t, NULL);
         }
         good = good && tribo_contact_check(&c->contact) == TRIBO_OK &&
                tribo_material_check(&c->pair) == TRIBO_OK && isfinite(c->target[0]) &&
                isfinite(c->target[1]) && isfinite(c->target[2]) && c->a != c->b &&
-               (c->a < bodies || c->a == TRIBO_WORLD) && (c->b < bodies || c->b == TRIBO_WORLD) &&
-               (c->dimension == 1 || c->dimension == 3);
+               isfinite(c->rolling) && isfinite(c->spinning) && c->rolling >= 0.0 &&
+               c->spinning >= 0.0 && (c->a < bodies || c->a == TRIBO_WORLD) &&
+               (c->b < bodies || c->b == TRIBO_WORLD) && (c->dimension == 1 || c->dimension == 3);
     }
     options.max_iterations = 1 + options.max_iterations % 64;
     solve(&s, &options, NULL, &got);
     blank = got;
     canary_set(blank.impulses, sizeof blank.impulses);
+    canary_set(blank.torques, sizeof blank.torques);
     canary_set(blank.velocities, sizeof blank.velocities);
     const size_t n = s.count;
     const size_t m = s.body_count;
@@ -657,7 +763,7 @@ static void bodies_wild(property_trial *t)
         return;
     }
     for (size_t i = 0; i < 3 * n; i++) {
-        REQUIRE(t, isfinite(got.impulses[i]));
+        REQUIRE(t, isfinite(got.impulses[i]) && isfinite(got.torques[i]));
     }
     for (size_t i = 0; i < 6 * m; i++) {
         REQUIRE(t, isfinite(got.velocities[i]));
@@ -764,6 +870,12 @@ const property property_list[] = {
     {"bodies_wild", bodies_wild, 1},
     {"bad_calls", bad_calls, 1},
     {"velocities_are_given", velocities_are_given, 1},
+    {"certificate_of_torques_is_true", certificate_of_torques_is_true, 2},
+    {"torques_take_energy", torques_take_energy, 2},
+    {"restitution_beside_torques", restitution_beside_torques, 8},
+    {"same_torques_however_run", same_torques_however_run, 8},
+    {"torques_scale", torques_scale, 4},
+    {"torques_start_warm", torques_start_warm, 10},
 };
 const size_t property_count = PROPERTY_COUNT(property_list);
 const unsigned property_trials = 1000;

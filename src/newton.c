@@ -23,7 +23,8 @@
  * many operations of elimination, which is some times faster on dense matrices. */
 #define STEP_SWEEPS 32.0
 #define SWEEP_OPERATIONS 150.0
-#define BLOCK_OPERATIONS 30.0 /* of a block of W that is summed */
+#define BLOCK_OPERATIONS 30.0     /* of a block of W that is summed */
+#define TORQUE_OPERATIONS 18000.0 /* of a contact with a torque, which no lanes solve */
 #define DENSE_SHARE 0.2
 #define CLIQUE_SHARE 0.15 /* contacts of one body are all linked: fewer, larger blocks */
 #define SYMMETRY 1e-12
@@ -804,6 +805,15 @@ static double sparse_operations(uint32_t nodes, const uint32_t *starts, const ui
                             &unused);
 }
 
+static uint32_t count_torques(const system_problem *p)
+{
+    uint32_t count = 0;
+
+    for (size_t c = 0; p->lengths != NULL && c < p->count; c++)
+        count += resist_is_torque(p, c) ? 1 : 0;
+    return count;
+}
+
 double newton_price(newton *n, const system_problem *problem, const newton_run *run)
 {
     const uint32_t rows = unknowns(problem->count, problem->bodies);
@@ -823,7 +833,8 @@ double newton_price(newton *n, const system_problem *problem, const newton_run *
         operations = CLIQUE_SHARE * sparse_operations(problem->count, problem->row_starts,
                                                       problem->columns, 3.0, n->place);
     }
-    return STEP_SWEEPS + operations / sweep;
+    const double price = STEP_SWEEPS + operations / sweep;
+    return price * (sweep / (sweep + TORQUE_OPERATIONS * (double)count_torques(problem)));
 }
 
 /* ---- iteration ------------------------------------------------------------------------------- */

@@ -5,10 +5,11 @@
 /* Of the velocities that F is summed from: where Newton ends, and what counts as solved. */
 #define ROUNDING (4.0 * TRIBO_EPS)
 #define SOLVED 1e-10
-#define NEWTON_STEPS 30
+#define NEWTON_STEPS 20
 #define LEAST_LENGTH 1e-3
 #define MEMORY 4
-#define ROUNDS 8
+#define ROUNDS 4
+#define WON 0.5 /* of the residual: what a round must bring for one more */
 #define FIRST_PASSES 4
 
 enum { STRIDE = 8 }; /* dense_stride(6) */
@@ -339,6 +340,25 @@ static void choose_start(local *l, const double given[6])
         memcpy(l->x, bare, sizeof l->x);
 }
 
+/* x = the impulse that stops all motion: where friction presses the contact together, and without it
+ * Newton ends at a normal impulse below 0, the solution is on the way from here. Returns 0 if there is
+ * none. */
+static int start_at_rest(local *l)
+{
+    double a[6 * STRIDE] = {0.0};
+    uint32_t pivots[6];
+
+    for (int i = 0; i < 6; i++) {
+        for (int k = 0; k < 6; k++)
+            a[STRIDE * i + k] = l->block.w[6 * i + k];
+        l->x[i] = 0.0 - l->block.b[i];
+    }
+    if (!dense_baseline.lu(6, a, pivots))
+        return 0;
+    dense_baseline.lu_solve(6, a, pivots, l->x);
+    return 1;
+}
+
 int resist_solve(const resist_block *block, double r[6])
 {
     local l;
@@ -361,13 +381,15 @@ int resist_solve(const resist_block *block, double r[6])
     memcpy(best, l.x, sizeof best);
     for (int round = 0; round < ROUNDS; round++, passes *= 2) {
         const double f = iterate(&l, &size) / size;
+        const double before = least;
         if (f < least) {
             least = f;
             memcpy(best, l.x, sizeof best);
         }
-        if (least <= SOLVED)
+        if (least <= SOLVED || (round > 1 && least > WON * before))
             break;
-        take_turns(&l, passes);
+        if (round > 0 || !start_at_rest(&l))
+            take_turns(&l, passes);
     }
     double limits[2];
     cone_project(best, block->mu, best);

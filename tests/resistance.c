@@ -3,6 +3,7 @@
 #include <tribo/system.h>
 
 #include "problems.h"
+#include "quad_system.h"
 #include "systems.h"
 
 #include <float.h>
@@ -179,6 +180,15 @@ static double wrong_motion(const systems_scene *s, const solution *got)
     }
     free(bodies);
     return size > 0.0 ? error / size : error;
+}
+
+/* Greatest difference of the certificate from the one in quad precision, in roundings. */
+static double wrong_certificate(const systems_scene *s, const solution *got)
+{
+    quad_certificate truth;
+    quad_certificate_with_torques(s->body_count, s->bodies, s->count, s->contacts, got->impulses,
+                                  got->torques, got->velocities, &truth);
+    return quad_certificate_difference(&truth, &got->info, NULL);
 }
 
 static wrong judge(const systems_scene *s, const solution *got)
@@ -387,6 +397,7 @@ static void test_random_systems(void **state)
         unsigned stops[6] = {0, 0, 0, 0, 0, 0};
         wrong worst = {0.0, 0.0, 0.0, 0.0};
         unsigned unsolved = 0;
+        double certificate = 0.0;
         for (uint64_t i = 0; i < trials; i++) {
             systems_scene scene;
             solution got;
@@ -395,6 +406,7 @@ static void test_random_systems(void **state)
             solve(&scene, solvers[s], 1e-11, s == 1 ? 20000 : 0, &got);
             stops[got.info.stop]++;
             const wrong now = judge(&scene, &got);
+            certificate = fmax(certificate, wrong_certificate(&scene, &got));
             const int solved = got.info.stop == TRIBO_STOP_TOLERANCE;
             unsolved += s == 0 && !solved;
             if (s == 0 && !solved) {
@@ -415,6 +427,8 @@ static void test_random_systems(void **state)
                       "closing %.3g, gap %.3g, motion %.3g\n",
                       (unsigned)solvers[s], stops[0], stops[1], stops[4], stops[5], worst.bounds,
                       worst.closing, worst.gap, worst.motion);
+        print_message("# certificates: at most %.3g roundings off\n", certificate);
+        assert_true(certificate <= 64.0);
         assert_true(worst.bounds <= 8.0 * EPS);
         assert_true(worst.motion <= 1e-13);
         assert_true(worst.gap <= 1e-8 && worst.closing <= 1e-8);
