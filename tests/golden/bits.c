@@ -990,12 +990,16 @@ static void solve_scene(const tribo_system_options *options)
                                   options, workspace, size, solved_impulses, solved_velocities,
                                   &info));
     put_doubles(solved_impulses, 3 * scene_count);
+    if (options->torques) {
+        put_doubles(options->torques, 3 * scene_count);
+    }
     put_doubles(solved_velocities, 6 * scene_body_count);
     put_system_info(&info);
 }
 
-/* By every solver, with either way to factor, in one task and in three, and on from there. */
-static void solve_each_way(uint64_t most)
+/* By every solver, with either way to factor, in one task and in three, and on from there. torques:
+ * where they go, or null. */
+static void solve_each_way(uint64_t most, double *torques)
 {
     const tribo_linear linear = {sizeof linear, 0, NULL, dense_factor, dense_solve};
     tribo_system_options options;
@@ -1003,6 +1007,7 @@ static void solve_each_way(uint64_t most)
     options.struct_size = sizeof options;
     options.isa = chosen_isa;
     options.parallel = backwards;
+    options.torques = torques;
     for (uint32_t solver = 0; solver < 3; ++solver) {
         options.solver = solver;
         options.max_iterations = most;
@@ -1031,7 +1036,7 @@ static void run_tower(uint32_t height, int kind)
     if (kind > 1) {
         season(kind > 2);
     }
-    solve_each_way(40);
+    solve_each_way(40, NULL);
 }
 
 static void run_net(void)
@@ -1161,19 +1166,35 @@ static void run_system(void)
             stir();
             season(1);
         }
-        solve_each_way(12);
+        solve_each_way(12, NULL);
     }
     for (int i = 0; i < 40; ++i) {
         const int bodies = 1 + below(16);
         make_heap(bodies, 1 + below(24));
         season(i % 2);
-        solve_each_way(40);
+        solve_each_way(40, NULL);
         put_status(tribo_system_apply(scene_body_count, scene_bodies, solved_velocities));
         put_body(&scene_bodies[0]);
     }
     run_net();
     for (int i = 0; i < 50; ++i) {
         run_assembled();
+    }
+}
+
+/* Contacts that resist rolling and spinning. */
+static void run_resistance(void)
+{
+    static double torques[3 * MOST_CONTACTS];
+    for (int i = 0; i < 12; ++i) {
+        const int bodies = 1 + below(16);
+        make_heap(bodies, 1 + below(24));
+        season(i % 2);
+        for (size_t c = 0; c < scene_count; ++c) {
+            scene_contacts[c].rolling = below(2) ? fraction() : 0;
+            scene_contacts[c].spinning = below(2) ? fraction() : 0;
+        }
+        solve_each_way(30, torques);
     }
 }
 
@@ -1184,7 +1205,7 @@ static const struct {
     void (*run)(void);
 } rooms[] = {{"base", run_base},         {"math", run_math},       {"body", run_body},
              {"material", run_material}, {"contact", run_contact}, {"audit", run_audit},
-             {"batch", run_batch},       {"system", run_system}};
+             {"batch", run_batch},       {"system", run_system},   {"resist", run_resistance}};
 
 static int choose_isa(const char *wanted)
 {
