@@ -629,8 +629,8 @@ static void add_blocks(newton *n, uint32_t dense, size_t c, size_t d_at, const d
     }
 }
 
-/* The step of a torque is -known - D du + lag dr_n, with lag = A^-1 lead and dr_n by the step of the
- * contact before it: a part of that is known, the other couples the two. */
+/* The step of a torque is -known - D du + lag dr_n, with lag = A^-1 lead and dr_n by the step of
+ * the contact before it: a part of that is known, the other couples the two. */
 static void follow_normal(newton *n, uint32_t dense, size_t c, const double inverse[9],
                           double known[3])
 {

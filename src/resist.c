@@ -248,8 +248,8 @@ static void solve_disc(const double a[3], const double c[2], double radius, doub
     x[1] = e[1] * z[0] + e[0] * z[1];
 }
 
-/* The torque for b = its velocity without itself. Least energy within the limits: convex in the spin,
- * so that the best spin in the interval is the one nearest to the best of all. */
+/* The torque for b = its velocity without itself. Least energy within the limits: convex in the
+ * spin, so that the best spin in the interval is the one nearest to the best of all. */
 static void solve_torque(const double w[9], const double b[3], const double limits[2],
                          double out[3])
 {
@@ -340,9 +340,9 @@ static void choose_start(local *l, const double given[6])
         memcpy(l->x, bare, sizeof l->x);
 }
 
-/* x = the impulse that stops all motion: where friction presses the contact together, and without it
- * Newton ends at a normal impulse below 0, the solution is on the way from here. Returns 0 if there is
- * none. */
+/* x = the impulse that stops all motion: where friction presses the contact together, and without
+ * it Newton ends at a normal impulse below 0, the solution is on the way from here. Returns 0 if
+ * there is none. */
 static int start_at_rest(local *l)
 {
     double a[6 * STRIDE] = {0.0};

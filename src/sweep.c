@@ -26,8 +26,8 @@ typedef struct assembled {
     double scale, inverse_a, trace, det, mu_s, mu_d;
 } assembled;
 
-/* A contact and its torque; ends as in sweep_ends. Rows of both, of 6 numbers each: u = q + of_a x_a -
- * of_b x_b, in the terms of sweep_block.h. */
+/* A contact and its torque; ends as in sweep_ends. Rows of both, of 6 numbers each: u = q + of_a
+ * x_a - of_b x_b, in the terms of sweep_block.h. */
 typedef struct sweep_six {
     uint32_t contact, ends[2];
     double of_ends[2][36];

@@ -438,7 +438,7 @@ static void turn_matrix(const uint32_t sides[2], const tribo_body *bodies, const
     }
 }
 
-/* The power of two that makes the torque's part of W as great as the contact's, to a factor of 4. */
+/* The power of two that makes the torque's part of W about as great as the contact's. */
 static double arm_of(const double w[9], const double turning[9], const double lengths[2])
 {
     const double most = greater(w[0], greater(w[4], w[8]));

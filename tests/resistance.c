@@ -78,8 +78,8 @@ static void solve(const systems_scene *scene, uint32_t solver, double tolerance,
 
 /* ---- the law by its own terms ---------------------------------------------------------------- */
 
-/* What is wrong with an answer: bounds over the own impulses of a contact, all else over the greatest
- * impulses and speeds. */
+/* What is wrong with an answer: bounds over the own impulses of a contact, all else over the
+ * greatest impulses and speeds. */
 typedef struct wrong {
     double bounds;  /* impulses and torques beyond their bounds */
     double closing; /* contacts that still approach */
@@ -332,8 +332,8 @@ static void test_spinning_ball(void **state)
     }
 }
 
-/* On a slope a ball rests iff tan theta <= delta / R, rolls without slip iff the friction that needs
- * is there, and slides else. */
+/* On a slope a ball rests iff tan theta <= delta / R, rolls without slip iff the friction that
+ * needs is there, and slides else. */
 static void test_ball_on_slope(void **state)
 {
     const double radius = 0.5;
