@@ -714,7 +714,10 @@ pub struct tribo_collide_options {
     pub struct_size: u32,
     /// TRIBO_METHOD_...
     pub method: u32,
-    /// 1 to 4; 0: 4. The deepest stays, and what keeps most area
+    /// 1 to 4; 0: 4. The deepest stays, and what keeps most area: all of an
+    /// overlap of up to four corners. Faces of boxes have up to eight; of
+    /// random ones the best four corners keep 0.97 of the area on the mean,
+    /// 0.81 at worst, and 0.77 where the deepest is none of those
     pub max_points: u32,
     pub reserved: u32,
     /// surfaces up to this far apart count (speculative), >= 0, m
