@@ -74,7 +74,7 @@ world scene_world(const scene_entry *entry)
 
 tribo_status scene_play(const scene_entry *entry, world *w, scene_answer *answer)
 {
-    *answer = (scene_answer){NAN, NAN, NAN};
+    *answer = (scene_answer){(double)NAN, (double)NAN, (double)NAN};
     entry->run(w, answer);
     world_end(w);
     if (isnan(answer->error))

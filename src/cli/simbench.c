@@ -99,7 +99,7 @@ static tribo_status print_own(const simbench_test *t, const char *title, double 
 
     printf("  %-24s", title);
     for (int i = 0; i < t->steps && status == TRIBO_OK; i++) {
-        scene_answer answer = {NAN, NAN, NAN};
+        scene_answer answer = {(double)NAN, (double)NAN, (double)NAN};
         world w = scene_world(scene_find(t->scene));
         w.dt = t->dt[i];
         w.options.solver = options->solver;
