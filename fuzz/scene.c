@@ -478,7 +478,7 @@ static void energy_is_bounded(property_trial *t)
     make_all_options(t, &options);
     options.skip |= TRIBO_SKIP_CORRECTION;
     options.tolerance = 0.0;
-    options.max_iterations = 1000;
+    options.max_iterations = 200;
     const uint32_t with = make_choice(t, "with", 16);
     const double dt = make_dt(t);
     make_cast(t, with, &played);
