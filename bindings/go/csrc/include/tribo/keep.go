@@ -1,0 +1,2 @@
+// Package tribo has no code; without it `go mod vendor` would leave its C out.
+package tribo

@@ -1,0 +1,53 @@
+/* Proximal point and semismooth Newton: the accurate end of the solvers of a system.
+ *
+ * Each proximal step replaces W by W + alpha 1 and q by q - alpha r_k, which is regular whatever
+ * the rank of W is, and has the solution of the problem as its fixed point; alpha then vanishes. A
+ * step is solved by Newton on the natural map F_c = g_c r_c - P_K(g_c r_c - u'_c), g_c about
+ * |W_cc|: see Acary, Bremond & Huber, INRIA RR-9118 (2018), 4, for the family of such methods. */
+#ifndef TRIBO_NEWTON_H
+#define TRIBO_NEWTON_H
+
+#include "arena.h"
+#include "certificate.h"
+
+typedef struct newton newton;
+
+/* What bounds a run, and what it took. */
+typedef struct newton_run {
+    uint64_t most_steps;
+    uint32_t isa;
+    uint32_t dense_limit;
+    const tribo_linear *linear;
+    uint32_t (*halt)(void *context); /* other than 0: stop */
+    void *context;
+
+    uint64_t steps;
+    uint64_t factorizations;
+    uint32_t halted;     /* what `halt` returned */
+    double growth;       /* certificate_growth of the last impulses, not of the best */
+    tribo_status status; /* of `linear`; else TRIBO_OK */
+} newton_run;
+
+/* 1 if matrices of this problem can be factored at all. */
+uint32_t newton_possible(uint32_t count, uint32_t bodies, const newton_run *run);
+
+/* Take the memory for problems of up to this size: `links` counts the blocks of W, or twice the
+ * contacts in the bodies form; `torques` of the contacts are torques. */
+newton *newton_take(arena *a, uint32_t count, uint32_t bodies, uint32_t torques, size_t links,
+                    const newton_run *run);
+
+/* About how many sweeps take as long as a step on this problem. */
+double newton_price(newton *n, const system_problem *problem, const newton_run *run);
+
+/* Start from r; `problem` and `wanted` must last until the last newton_continue. */
+void newton_start(newton *n, const system_problem *problem, const goal *wanted,
+                  const newton_run *run, const double *r);
+
+/* Go on for some `steps` until the goal is met. r receives the best impulses since the start, in
+ * the cone; returns their distance from the goal. */
+double newton_continue(newton *n, newton_run *run, uint64_t steps, double *r);
+
+/* 1 if the last many steps brought nothing. */
+uint32_t newton_stalls(const newton *n, const newton_run *run);
+
+#endif

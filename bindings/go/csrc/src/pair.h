@@ -1,0 +1,120 @@
+/* One pair of convex shapes in a common frame, as the parts of room collide hand it to each
+ * other. */
+#ifndef TRIBO_PAIR_H
+#define TRIBO_PAIR_H
+
+#include <tribo/collide.h>
+
+#include "bits.h"
+
+/* World axes, origin at the position of A: far from the world's origin nothing is lost. */
+typedef struct pair_query {
+    const tribo_shape *a;
+    const tribo_shape *b;
+    double ra[9];     /* rotation of A, body to world, row by row */
+    double rb[9];     /* rotation of B */
+    double offset[3]; /* position of B minus position of A */
+    double margin;
+    uint32_t max_points;
+    uint32_t turned; /* A here is the caller's B: manifolds are written the other way round */
+} pair_query;
+
+/* Where two convex shapes are nearest, or deepest. */
+typedef struct pair_axis {
+    double normal[3]; /* unit, from B to A */
+    double distance;  /* support width along it: negative inside, > margin: apart */
+} pair_axis;
+
+/* Face of one shape of a query: world axes, origin at A, counter-clockwise seen from outside. */
+typedef struct pair_face {
+    uint32_t count; /* 1: a point of a curved place, 2: an edge of a rounded shape */
+    uint32_t feature;
+    double normal[3]; /* outward, unit */
+    double points[3 * TRIBO_MAX_FACE];
+} pair_face;
+
+/* A point that may go into the manifold. */
+typedef struct pair_point {
+    double middle[3]; /* midway between the surfaces; world axes, origin at A */
+    double distance;
+    uint32_t a; /* what touches on A: pair_feature */
+    uint32_t b;
+} pair_point;
+
+enum {
+    PAIR_VERTEX = 0,
+    PAIR_EDGE = 1,
+    PAIR_FACE = 2,
+    PAIR_CURVED = 3,                         /* a point of a curved place */
+    PAIR_MAX_POINTS = 2 * TRIBO_MAX_FACE + 8 /* two faces clipped have no more corners */
+};
+
+/* Half of a point's id. The vertices and edges of a face are numbered around it; edge k leaves
+ * vertex k. */
+static inline uint32_t pair_feature(uint32_t face, uint32_t kind, uint32_t index)
+{
+    return (face & 0xffffffu) << 8 | kind << 6 | (index & 63u);
+}
+
+/* Distances that differ by less than this part of the lengths they were made from do not differ. */
+#define PAIR_ROUNDING 3.5527136788005009e-15 /* 16 * 2^-52 */
+
+/* A length of the size of a vector's, without a root. */
+TRIBO_ALWAYS_INLINE double extent(const double v[3])
+{
+    return absolute(v[0]) + absolute(v[1]) + absolute(v[2]);
+}
+
+/* shape.c: support point and face of a judged convex shape in its own axes. The first returns 0
+ * where a user's function gave no finite point. */
+int shape_support(const tribo_shape *shape, const double direction[3], double point[3]);
+uint32_t shape_face(const tribo_shape *shape, const double direction[3],
+                    double points[3 * TRIBO_MAX_FACE], double normal[3], uint32_t *feature);
+
+/* A point well inside of a judged convex shape, in its own axes, and the radii of balls around it
+ * inside of and around the shape (the inner one may be a lower bound). */
+void shape_core(const tribo_shape *shape, double center[3], double *inner, double *outer);
+
+/* convex.c: axis of any two judged convex shapes through libccd. Adds what it did to info. */
+tribo_status convex_axis(const pair_query *query, pair_axis *axis, tribo_collide_info *info);
+
+/* clip.c: manifold from the axis by clipping the support faces; count 0 if apart by more than the
+ * margin. */
+void clip_manifold(const pair_query *query, const pair_axis *axis, tribo_manifold *out);
+
+/* clip.c: the face of A (side 0) or B (side 1) that faces a direction; 0 if there is none. */
+int clip_take_face(const pair_query *query, int side, const double direction[3], pair_face *face);
+
+/* clip.c: points where two faces, each of three or more vertices, lie over each other along the
+ * axis, the face of `reference` (0: A, 1: B) being the one that clips. Returns their number. */
+uint32_t clip_faces(const pair_query *query, const pair_face faces[2], int reference,
+                    const pair_axis *axis, pair_point points[PAIR_MAX_POINTS]);
+
+/* clip.c: manifold of A on one given face of B, with its normal: only what lies over that face
+ * counts. */
+void clip_onto(const pair_query *query, const pair_face *face, tribo_manifold *out);
+
+/* clip.c: distance of the shapes along a unit vector from B to A, and what rounding may have done
+ * to it. 0 if a user's function gave no finite point. */
+int clip_distance(const pair_query *query, const double normal[3], double *distance,
+                  double *rounding);
+
+/* clip.c: a manifold without points. */
+void clip_nothing(tribo_manifold *out);
+
+/* clip.c: manifold of these points, at most as many as the query asks for. */
+void clip_write(const pair_query *query, const double normal[3], uint32_t count,
+                const pair_point *points, tribo_manifold *out);
+
+/* clip.c: manifold of the points (at least one) within the margin, reduced to what the query asks
+ * for. Points nearer to each other than 1e-9 of `size` are one. */
+void clip_finish(const pair_query *query, const double normal[3], double size, uint32_t count,
+                 pair_point *points, tribo_manifold *out);
+
+/* closed.c: whether two kinds of shapes, A's number not the greater, have a closed form. */
+int closed_exists(uint32_t type_a, uint32_t type_b);
+
+/* closed.c: its manifold. TRIBO_ERROR_SUPPORT if a user's function gave no finite point. */
+tribo_status closed_manifold(const pair_query *query, tribo_manifold *out);
+
+#endif

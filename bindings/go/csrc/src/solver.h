@@ -1,0 +1,34 @@
+/* The choice among the solvers for one connected component. */
+#ifndef TRIBO_SOLVER_H
+#define TRIBO_SOLVER_H
+
+#include "newton.h"
+#include "sweep.h"
+
+/* What all components of a solve share. */
+typedef struct solver {
+    const tribo_system_options *options;
+    tribo_system_info *info; /* counts so far */
+    double start;            /* s, by the clock of the options */
+    uint64_t most;           /* sweeps, and Newton steps, of a component */
+    uint32_t stop;           /* TRIBO_STOP_...: the worst so far */
+    tribo_status status;     /* of options->linear */
+    double growth;           /* of the last impulses: see certificate_growth */
+    newton_run run;
+
+    newton *newton; /* null: not asked for */
+    void *sweep_memory;
+    double *dv, *v;                            /* 6 per body */
+    double *u, *held, *start_r, *swept, *best; /* 3 per contact */
+    double *mu;                                /* 2 per contact: the coefficients in force */
+} solver;
+
+/* Seconds by the clock of the options. */
+double solver_now(const tribo_system_options *options);
+
+/* Improve r, 3 per contact, until the goal is met or nothing helps. free_velocity: 6 per body, v
+ * without impulses (null in the assembled form). Returns the distance from the goal. */
+double solver_solve(solver *s, const system_problem *problem, const double *free_velocity,
+                    const goal *wanted, double *r);
+
+#endif

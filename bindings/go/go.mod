@@ -1,0 +1,3 @@
+module tribo.dev/go/tribo
+
+go 1.24
