@@ -404,7 +404,7 @@ static const task tasks[] = {
     {"incline", "m, way of a box that sticks", make_slide, 10.0, 0.45, 1, drift},
     {"stack", "m, greatest way of a box", make_stack, 10.0, 0.0, 1, drift},
     {"ratio", "m, greatest way of a box", make_ratio, 5.0, 0.0, 1, drift},
-    {"wall", "m, greatest way of a brick", make_wall91, 5.0, 0.0, 1, drift},
+    {"wall", "m, greatest way of a brick", make_wall91, 1.0, 0.0, 1, drift},
     {"pyramid", "m, greatest way of a brick", make_pyramid, 0.125, 0.0, 1, drift},
     {"pile", "m, deepest overlap", make_pile, 0.25, 0.0, 1, pile_error},
 };
