@@ -419,6 +419,17 @@ typedef struct point {
 
 static const double repeat_seconds = 0.2;
 
+static int are_finite(const engine_scene *scene, const engine_state *ends)
+{
+    double probe = 0.0;
+    for (int i = 0; i < scene->count; i++) {
+        for (int k = 0; k < 3; k++) {
+            probe += 0.0 * (ends[i].position[k] + ends[i].velocity[k] + ends[i].orientation[k]);
+        }
+    }
+    return probe == 0.0;
+}
+
 static void judge_world(const engine *e, void *world, const task *t, const engine_scene *scene,
                         point *out)
 {
@@ -428,9 +439,10 @@ static void judge_world(const engine *e, void *world, const task *t, const engin
             e->state(world, i, &ends[i]);
         }
     }
-    out->error = t->judge(scene, ends);
-    out->overlap = overlap(scene, ends);
-    out->speed = restlessness(scene, ends);
+    const int sane = are_finite(scene, ends);
+    out->error = sane ? t->judge(scene, ends) : HUGE_VAL;
+    out->overlap = sane ? overlap(scene, ends) : HUGE_VAL;
+    out->speed = sane ? restlessness(scene, ends) : HUGE_VAL;
     free(ends);
 }
 

@@ -4,6 +4,7 @@
 
 #include <ode/ode.h>
 
+#include <math.h>
 #include <stdlib.h>
 
 enum { MOST_CONTACTS = 8 };
@@ -15,6 +16,7 @@ typedef struct ode_world {
     dBodyID *bodies;
     double dt, friction;
     int choice; /* iterations of dWorldQuickStep; 0: dWorldStep */
+    int failed; /* a step found no memory, and did nothing */
 } ode_world;
 
 static void meet(void *data, dGeomID a, dGeomID b)
@@ -95,11 +97,9 @@ static void step(void *data)
 {
     ode_world *w = data;
     dSpaceCollide(w->space, w, meet);
-    if (w->choice > 0) {
-        dWorldQuickStep(w->world, (dReal)w->dt);
-    } else {
-        dWorldStep(w->world, (dReal)w->dt);
-    }
+    const int done = w->choice > 0 ? dWorldQuickStep(w->world, (dReal)w->dt)
+                                   : dWorldStep(w->world, (dReal)w->dt);
+    w->failed = w->failed || done == 0;
     dJointGroupEmpty(w->joints);
 }
 
@@ -114,7 +114,7 @@ static void state(void *data, int i, engine_state *out)
         out->orientation[k] = (double)q[k];
     }
     for (int k = 0; k < 3; k++) {
-        out->position[k] = (double)x[k];
+        out->position[k] = w->failed ? (double)NAN : (double)x[k];
         out->velocity[k] = (double)v[k];
         out->angular_velocity[k] = (double)o[k];
     }
