@@ -1136,41 +1136,28 @@ static uint32_t sift(double margin, double reach, uint32_t count, pair_point *po
     return kept;
 }
 
-/* One number after the other: what was stored so can not be loaded at once without a stall. */
-static void write_point(const pair_query *query, const pair_point *from, tribo_point *to)
-{
-    double *own = query->turned ? to->arm_b : to->arm_a;
-    double *other = query->turned ? to->arm_a : to->arm_b;
-    for (int i = 0; i < 3; i++) {
-        own[i] = from->middle[i];
-        other[i] = from->middle[i] - query->offset[i];
-    }
-    to->distance = from->distance;
-    to->id = query->turned ? (uint64_t)from->b << 32 | from->a : (uint64_t)from->a << 32 | from->b;
-}
-
 void clip_nothing(tribo_manifold *out)
 {
     memset(out, 0, offsetof(tribo_manifold, points));
 }
 
-static void write_head(const pair_query *query, const double normal[3], uint32_t count,
-                       tribo_manifold *out)
+tribo_status clip_check(const tribo_manifold *m)
 {
-    const double sign = query->turned ? -1.0 : 1.0;
-    clip_nothing(out);
-    out->count = count;
-    out->normal[0] = 0.0 + sign * normal[0];
-    out->normal[1] = 0.0 + sign * normal[1];
-    out->normal[2] = 0.0 + sign * normal[2];
+    double sum = m->normal[0] + m->normal[1] + m->normal[2];
+    for (uint32_t k = 0; k < m->count; k++) {
+        const tribo_point *p = &m->points[k];
+        sum += (p->arm_a[0] + p->arm_a[1] + p->arm_a[2]) +
+               (p->arm_b[0] + p->arm_b[1] + p->arm_b[2]) + p->distance;
+    }
+    return sum - sum == 0.0 ? TRIBO_OK : TRIBO_ERROR_RANGE;
 }
 
 void clip_write(const pair_query *query, const double normal[3], uint32_t count,
                 const pair_point *points, tribo_manifold *out)
 {
-    write_head(query, normal, count, out);
+    pair_write_head(query, normal, count, out);
     for (uint32_t i = 0; i < count; i++) {
-        write_point(query, &points[i], &out->points[i]);
+        pair_write_point(query, &points[i], &out->points[i]);
     }
 }
 
@@ -1189,8 +1176,8 @@ void clip_finish(const pair_query *query, const double normal[3], double size, u
     }
     ring r;
     choose_points(normal, slack, query->max_points, kept, points, &r);
-    write_head(query, normal, r.count, out);
+    pair_write_head(query, normal, r.count, out);
     for (uint32_t i = 0; i < r.count; i++) {
-        write_point(query, &points[r.order[i]], &out->points[i]);
+        pair_write_point(query, &points[r.order[i]], &out->points[i]);
     }
 }

@@ -427,26 +427,39 @@ static uint32_t box_face_number(int axis, double sign)
 }
 
 /* Corner `at` of a box, so far from the plane. */
-static void box_point(const plane *p, const double at[3], double distance, uint32_t feature,
-                      pair_point *point)
+static pair_point box_point(const plane *p, const double at[3], double distance, uint32_t feature)
 {
     const double back = -0.5 * distance;
-    point->middle[0] = at[0] + back * p->normal[0];
-    point->middle[1] = at[1] + back * p->normal[1];
-    point->middle[2] = at[2] + back * p->normal[2];
-    point->distance = distance;
-    point->a = feature;
-    point->b = pair_feature(0, PAIR_FACE, 0);
+    const pair_point point = {
+        {at[0] + back * p->normal[0], at[1] + back * p->normal[1], at[2] + back * p->normal[2]},
+        distance,
+        feature,
+        pair_feature(0, PAIR_FACE, 0)};
+    return point;
+}
+
+/* Fewer points than all that are near enough. */
+TRIBO_NEVER_INLINE void box_plane_reduced(const pair_query *query, const plane *p,
+                                          const double corners[12], const double distances[4],
+                                          uint32_t face, uint32_t count, const uint32_t *near,
+                                          tribo_manifold *out)
+{
+    pair_point points[4];
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t c = near[i];
+        points[i] = box_point(p, corners + 3 * c, distances[c], pair_feature(face, PAIR_VERTEX, c));
+    }
+    clip_finish(query, p->normal, 0.0, count, points, out);
 }
 
 /* The lowest face: it holds the deepest corner. */
-static void box_plane(const pair_query *query, const plane *p, tribo_manifold *out)
+static tribo_status box_plane(const pair_query *query, const plane *p, tribo_manifold *out)
 {
     double edges[3][3];
     double corners[12];
     double down[3];
     double way[3]; /* of the half-edges along the normal */
-    pair_point points[4];
+    uint32_t near[4];
     uint32_t count = 0;
     const double *half = query->a->size;
     tribo_mat3_apply_transposed(query->ra, p->normal, down);
@@ -457,39 +470,49 @@ static void box_plane(const pair_query *query, const plane *p, tribo_manifold *o
     const double limit = query->margin + PAIR_ROUNDING * (reach + absolute(p->level));
     if (0.0 - reach - p->level > limit) {
         clip_nothing(out);
-        return;
+        return TRIBO_OK;
     }
     const int axis = greatest_of(down);
-    const int left = axis == 2 ? 0 : axis + 1;
-    const int up = axis == 0 ? 2 : axis - 1;
+    const double left = way[axis == 2 ? 0 : axis + 1];
+    const double up = way[axis == 0 ? 2 : axis - 1];
     const double sign = down[axis] > 0.0 ? -1.0 : 1.0;
     const double level = sign * way[axis] - p->level;
     const double distances[4] = {
-        level + sign * way[left] + way[up],
-        level - sign * way[left] + way[up],
-        level - sign * way[left] - way[up],
-        level + sign * way[left] - way[up],
+        level + sign * left + up,
+        level - sign * left + up,
+        level - sign * left - up,
+        level + sign * left - up,
     };
-    box_edges(query->ra, half, edges);
-    box_corners(edges, axis, sign, corners);
     for (uint32_t c = 0; c < 4; c++) {
-        if (distances[c] <= limit) {
-            box_point(p, corners + 3 * c, distances[c],
-                      pair_feature(box_face_number(axis, sign), PAIR_VERTEX, c), &points[count++]);
-        }
+        near[count] = c;
+        count += distances[c] <= limit ? 1 : 0;
     }
     if (count == 0) {
         clip_nothing(out);
-    } else if (count <= query->max_points) {
-        clip_write(query, p->normal, count, points, out);
-    } else {
-        clip_finish(query, p->normal, 0.0, count, points, out);
+        return TRIBO_OK;
     }
+    const uint32_t face = box_face_number(axis, sign);
+    box_edges(query->ra, half, edges);
+    box_corners(edges, axis, sign, corners);
+    if (count > query->max_points) {
+        box_plane_reduced(query, p, corners, distances, face, count, near, out);
+        return clip_check(out);
+    }
+    pair_write_head(query, p->normal, count, out);
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t c = near[i];
+        const pair_point point =
+            box_point(p, corners + 3 * c, distances[c], pair_feature(face, PAIR_VERTEX, c));
+        pair_write_point(query, &point, &out->points[i]);
+    }
+    return extent(half) + absolute(p->level) + extent(query->offset) < PAIR_LARGE ? TRIBO_OK
+                                                                                  : clip_check(out);
 }
 
 /* Any convex shape: the corners of its lowest face, and its lowest point if that is none of
  * them. */
-static tribo_status convex_plane(const pair_query *query, const plane *p, tribo_manifold *out)
+TRIBO_NEVER_INLINE tribo_status convex_plane(const pair_query *query, const plane *p,
+                                             tribo_manifold *out)
 {
     pair_face face;
     pair_point points[PAIR_MAX_POINTS];
@@ -520,7 +543,7 @@ static tribo_status convex_plane(const pair_query *query, const plane *p, tribo_
         points[count++] = lowest;
     }
     clip_finish(query, p->normal, size, count, points, out);
-    return TRIBO_OK;
+    return clip_check(out);
 }
 
 static tribo_status half_space(const pair_query *query, tribo_manifold *out)
@@ -528,15 +551,14 @@ static tribo_status half_space(const pair_query *query, tribo_manifold *out)
     plane p;
     take_plane(query, &p);
     switch (query->a->type) {
+    case TRIBO_SHAPE_BOX:
+        return box_plane(query, &p, out);
     case TRIBO_SHAPE_SPHERE:
         sphere_plane(query, &p, out);
-        return TRIBO_OK;
-    case TRIBO_SHAPE_BOX:
-        box_plane(query, &p, out);
-        return TRIBO_OK;
+        return clip_check(out);
     case TRIBO_SHAPE_CAPSULE:
         capsule_plane(query, &p, out);
-        return TRIBO_OK;
+        return clip_check(out);
     default:
         return convex_plane(query, &p, out);
     }
@@ -882,7 +904,7 @@ static void by_edges(const boxes *x, const best_axis *best, tribo_manifold *out)
     }
 }
 
-static void box_box(const pair_query *query, tribo_manifold *out)
+static tribo_status box_box(const pair_query *query, tribo_manifold *out)
 {
     boxes x;
     best_axis best = {0, 0.0, 0.0, 0.0};
@@ -897,6 +919,7 @@ static void box_box(const pair_query *query, tribo_manifold *out)
     } else {
         by_edges(&x, &best, out);
     }
+    return x.rounding < PAIR_ROUNDING * PAIR_LARGE ? TRIBO_OK : clip_check(out);
 }
 
 /* ---- all pairs ------------------------------------------------------------------------------ */
@@ -916,8 +939,9 @@ tribo_status closed_manifold(const pair_query *query, tribo_manifold *out)
         return half_space(query, out);
     }
     if (type_a == TRIBO_SHAPE_BOX) {
-        box_box(query, out);
-    } else if (type_a == TRIBO_SHAPE_CAPSULE) {
+        return box_box(query, out);
+    }
+    if (type_a == TRIBO_SHAPE_CAPSULE) {
         capsule_capsule(query, out);
     } else if (type_b == TRIBO_SHAPE_SPHERE) {
         sphere_sphere(query, out);
@@ -926,5 +950,5 @@ tribo_status closed_manifold(const pair_query *query, tribo_manifold *out)
     } else {
         sphere_box(query, out);
     }
-    return TRIBO_OK;
+    return clip_check(out);
 }

@@ -50,16 +50,36 @@ static tribo_status check_margin(double margin)
     return margin >= 0.0 ? TRIBO_OK : TRIBO_ERROR_RANGE;
 }
 
-static tribo_status check_pose(const tribo_pose *pose)
+static void rotation_of(const tribo_pose *pose, double r[9])
 {
-    const double *x = pose->position;
     const double *q = pose->orientation;
-    const double square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    const double probe = (x[0] - x[0]) + (x[1] - x[1]) + (x[2] - x[2]);
-    if (probe == 0.0 && absolute(square - 1.0) <= 2.0 * UNIT_TOLERANCE) {
+    rotation_rows(q[0], q[1], q[2], q[3], r);
+}
+
+/* The ground is seldom turned: then it costs no division. */
+static int is_upright(const double q[4])
+{
+    return q[0] == 1.0 && (bits_of(q[1]) | bits_of(q[2]) | bits_of(q[3])) == 0;
+}
+
+/* The rotation of a pose, if all of it is well. */
+static tribo_status take_rotation(const tribo_pose *pose, double r[9])
+{
+    static const double upright[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
+    const double *q = pose->orientation;
+    if (!all_finite(pose->position, 3)) {
+        return TRIBO_ERROR_NOT_FINITE;
+    }
+    if (is_upright(q)) {
+        memcpy(r, upright, sizeof upright);
         return TRIBO_OK;
     }
-    return probe == 0.0 && all_finite(q, 4) ? TRIBO_ERROR_ORIENTATION : TRIBO_ERROR_NOT_FINITE;
+    const double square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    if (!(absolute(square - 1.0) <= 2.0 * UNIT_TOLERANCE)) {
+        return all_finite(q, 4) ? TRIBO_ERROR_ORIENTATION : TRIBO_ERROR_NOT_FINITE;
+    }
+    rotation_rows(q[0], q[1], q[2], q[3], r);
+    return TRIBO_OK;
 }
 
 static int is_convex(uint32_t type)
@@ -73,16 +93,6 @@ static tribo_status check_kinds(uint32_t a, uint32_t b)
     const int a_is_ground = a == TRIBO_SHAPE_HALFSPACE || a == TRIBO_SHAPE_MESH;
     const int b_is_ground = b == TRIBO_SHAPE_HALFSPACE || b == TRIBO_SHAPE_MESH;
     return a_is_ground && b_is_ground ? TRIBO_ERROR_PAIR : TRIBO_OK;
-}
-
-static tribo_status check_pair(const tribo_shape *shape_a, const tribo_pose *pose_a,
-                               const tribo_shape *shape_b, const tribo_pose *pose_b)
-{
-    tribo_status status = tribo_shape_check(shape_a);
-    status = status == TRIBO_OK ? tribo_shape_check(shape_b) : status;
-    status = status == TRIBO_OK ? check_pose(pose_a) : status;
-    status = status == TRIBO_OK ? check_pose(pose_b) : status;
-    return status == TRIBO_OK ? check_kinds(shape_a->type, shape_b->type) : status;
 }
 
 /* ---- one convex pair ------------------------------------------------------------------------ */
@@ -137,7 +147,8 @@ static void turn(const pair_query *from, pair_query *to)
     to->turned = !from->turned;
 }
 
-static tribo_status general(const pair_query *query, tribo_manifold *out, tribo_collide_info *info)
+TRIBO_NEVER_INLINE tribo_status general(const pair_query *query, tribo_manifold *out,
+                                        tribo_collide_info *info)
 {
     pair_axis axis;
     const tribo_status status = convex_axis(query, &axis, info);
@@ -147,7 +158,7 @@ static tribo_status general(const pair_query *query, tribo_manifold *out, tribo_
     info->general++;
     clip_manifold(query, &axis, out);
     out->method = TRIBO_METHOD_GENERAL;
-    return TRIBO_OK;
+    return clip_check(out);
 }
 
 static tribo_status in_order(const pair_query *query, uint32_t method, tribo_manifold *out,
@@ -168,18 +179,6 @@ static tribo_status in_order(const pair_query *query, uint32_t method, tribo_man
     return status;
 }
 
-/* Lengths near the ends of the range of numbers overflow on the way. */
-static tribo_status check_manifold(const tribo_manifold *m)
-{
-    double sum = m->normal[0] + m->normal[1] + m->normal[2];
-    for (uint32_t k = 0; k < m->count; k++) {
-        const tribo_point *p = &m->points[k];
-        sum += (p->arm_a[0] + p->arm_a[1] + p->arm_a[2]) +
-               (p->arm_b[0] + p->arm_b[1] + p->arm_b[2]) + p->distance;
-    }
-    return sum - sum == 0.0 ? TRIBO_OK : TRIBO_ERROR_RANGE;
-}
-
 static tribo_status touch(const pair_query *query, uint32_t method, tribo_manifold *out,
                           tribo_collide_info *info)
 {
@@ -188,29 +187,33 @@ static tribo_status touch(const pair_query *query, uint32_t method, tribo_manifo
     if (is_other) {
         turn(query, &turned);
     }
-    const tribo_status status = in_order(is_other ? &turned : query, method, out, info);
-    return status == TRIBO_OK ? check_manifold(out) : status;
+    return in_order(is_other ? &turned : query, method, out, info);
 }
 
-static void rotation_of(const tribo_pose *pose, double r[9])
+/* The pair without its shapes' parts, if all of it is well. */
+static tribo_status take_pair(const tribo_shape *shape_a, const tribo_pose *pose_a,
+                              const tribo_shape *shape_b, const tribo_pose *pose_b,
+                              const tribo_collide_options *options, pair_query *query)
 {
-    const double *q = pose->orientation;
-    rotation_rows(q[0], q[1], q[2], q[3], r);
-}
-
-/* The pair without its shapes' parts. */
-static tribo_status take_query(const tribo_shape *shape_a, const tribo_pose *pose_a,
-                               const tribo_shape *shape_b, const tribo_pose *pose_b,
-                               const tribo_collide_options *options, pair_query *query)
-{
+    tribo_status status = tribo_shape_check(shape_a);
+    status = status == TRIBO_OK ? tribo_shape_check(shape_b) : status;
+    status = status == TRIBO_OK ? take_rotation(pose_a, query->ra) : status;
+    status = status == TRIBO_OK ? take_rotation(pose_b, query->rb) : status;
+    status = status == TRIBO_OK ? check_kinds(shape_a->type, shape_b->type) : status;
+    if (status != TRIBO_OK) {
+        return status;
+    }
     query->a = shape_a;
     query->b = shape_b;
-    rotation_of(pose_a, query->ra);
-    rotation_of(pose_b, query->rb);
     tribo_vec3_subtract(pose_b->position, pose_a->position, query->offset);
     query->margin = options->margin;
     query->max_points = options->max_points;
     query->turned = 0;
+    return TRIBO_OK;
+}
+
+static tribo_status check_offset(const pair_query *query)
+{
     return all_finite(query->offset, 3) ? TRIBO_OK : TRIBO_ERROR_RANGE;
 }
 
@@ -536,7 +539,7 @@ static tribo_status touch_triangle(const pair_query *q, const mesh_triangle *fro
         clip_onto(q, &face, out);
         out->method = TRIBO_METHOD_CLOSED;
         info->closed++;
-        return check_manifold(out);
+        return clip_check(out);
     }
     const tribo_status status = triangle_axis(q, &face, &axis, info);
     if (status != TRIBO_OK || !(axis.distance <= q->margin)) {
@@ -549,7 +552,7 @@ static tribo_status touch_triangle(const pair_query *q, const mesh_triangle *fro
         clip_onto(q, &face, out);
     }
     out->method = q->a->type == TRIBO_SHAPE_SPHERE ? TRIBO_METHOD_CLOSED : TRIBO_METHOD_GENERAL;
-    return check_manifold(out);
+    return clip_check(out);
 }
 
 /* Bounds of A in the axes of the mesh. 0 if a user's function gave no finite point. */
@@ -615,7 +618,8 @@ static tribo_status touch_mesh(const pair_query *whole, const part *a, const par
 /* Points beyond the count are not written. */
 static void copy_manifold(const tribo_manifold *from, tribo_manifold *to)
 {
-    memcpy(to, from, offsetof(tribo_manifold, points) + from->count * sizeof *from->points);
+    const size_t size = offsetof(tribo_manifold, points) + from->count * sizeof *from->points;
+    memcpy(to, from, size);
 }
 
 /* ---- all parts of a pair -------------------------------------------------------------------- */
@@ -670,9 +674,9 @@ static int is_simple(const tribo_shape *shape)
 
 /* Few manifolds wait on the stack. Of many only the number is known after the first round; a second
  * one writes them out when nothing can fail any more but a library's memory. */
-TRIBO_NEVER_INLINE tribo_status collide_parts(const pair_query *whole, uint32_t method, uint32_t capacity,
-                                  tribo_manifold *manifolds, uint32_t *count,
-                                  tribo_collide_info *info)
+TRIBO_NEVER_INLINE tribo_status collide_parts(const pair_query *whole, uint32_t method,
+                                              uint32_t capacity, tribo_manifold *manifolds,
+                                              uint32_t *count, tribo_collide_info *info)
 {
     tribo_manifold few[FEW];
     sink first = {few, FEW, 0};
@@ -736,11 +740,9 @@ tribo_status tribo_collide_shapes(const tribo_shape *shape_a, const tribo_pose *
     }
     tribo_status status = read_options(options, &known);
     status = status == TRIBO_OK ? check_margin(known.margin) : status;
-    status = status == TRIBO_OK ? check_pair(shape_a, pose_a, shape_b, pose_b) : status;
-    if (status != TRIBO_OK) {
-        return status;
-    }
-    status = take_query(shape_a, pose_a, shape_b, pose_b, &known, &query);
+    status =
+        status == TRIBO_OK ? take_pair(shape_a, pose_a, shape_b, pose_b, &known, &query) : status;
+    status = status == TRIBO_OK ? check_offset(&query) : status;
     if (status != TRIBO_OK) {
         return status;
     }
@@ -768,16 +770,12 @@ static tribo_status batch_pair(uint32_t shape_count, const tribo_shape *shapes,
     }
     const tribo_shape *a = &shapes[pair[0]];
     const tribo_shape *b = &shapes[pair[1]];
-    tribo_status status = check_pair(a, &poses[pair[0]], b, &poses[pair[1]]);
+    tribo_status status = take_pair(a, &poses[pair[0]], b, &poses[pair[1]], options, &query);
     if (status == TRIBO_OK && !(is_simple(a) && is_simple(b))) {
         status = TRIBO_ERROR_PAIR;
     }
-    if (status == TRIBO_OK) {
-        status = take_query(a, &poses[pair[0]], b, &poses[pair[1]], options, &query);
-    }
-    if (status == TRIBO_OK) {
-        status = touch(&query, options->method, &m, info);
-    }
+    status = status == TRIBO_OK ? check_offset(&query) : status;
+    status = status == TRIBO_OK ? touch(&query, options->method, &m, info) : status;
     if (status == TRIBO_OK) {
         copy_manifold(&m, out);
     }

@@ -23,14 +23,14 @@ static const tribo_child *children_of(const tribo_shape *shape)
 
 static tribo_status check_lengths(const double *size, int count)
 {
-    if (!all_finite(size, count)) {
-        return TRIBO_ERROR_NOT_FINITE;
-    }
-    int positive = 1;
+    int well = 1;
     for (int i = 0; i < count; i++) {
-        positive = positive && size[i] > 0.0;
+        well = well && size[i] > 0.0 && size[i] < (double)INFINITY;
     }
-    return positive ? TRIBO_OK : TRIBO_ERROR_SHAPE;
+    if (well) {
+        return TRIBO_OK;
+    }
+    return all_finite(size, count) ? TRIBO_ERROR_SHAPE : TRIBO_ERROR_NOT_FINITE;
 }
 
 static tribo_status check_pose(const tribo_pose *pose)
