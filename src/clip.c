@@ -81,7 +81,7 @@ typedef struct polygon {
     uint32_t feature;
     double size;     /* greatest distance of a corner from the first along u or v */
     double shortest; /* side, by the sum of what it is along u and v */
-    double slope[2]; /* height gained per length along u and v */
+    double slope[2]; /* height gained per length along u and v: take_slope */
     double h[TRIBO_MAX_FACE];
     double u[TRIBO_MAX_FACE];
     double v[TRIBO_MAX_FACE];
@@ -91,23 +91,35 @@ static void flatten(const pair_face *face, const double frame[9], polygon *out)
 {
     double size = 0.0;
     double shortest = (double)INFINITY;
+    double u = tribo_vec3_dot(frame + 3, face->points);
+    double v = tribo_vec3_dot(frame + 6, face->points);
+    const double first_u = u;
+    const double first_v = v;
     out->count = face->count;
     out->feature = face->feature;
-    for (uint32_t i = 0; i < face->count; i++) {
+    out->h[0] = tribo_vec3_dot(frame, face->points);
+    out->u[0] = u;
+    out->v[0] = v;
+    for (uint32_t i = 1; i < face->count; i++) {
         const double *p = face->points + 3 * i;
+        const double last_u = u;
+        const double last_v = v;
+        u = tribo_vec3_dot(frame + 3, p);
+        v = tribo_vec3_dot(frame + 6, p);
         out->h[i] = tribo_vec3_dot(frame, p);
-        out->u[i] = tribo_vec3_dot(frame + 3, p);
-        out->v[i] = tribo_vec3_dot(frame + 6, p);
-        size = greater(size, absolute(out->u[i] - out->u[0]));
-        size = greater(size, absolute(out->v[i] - out->v[0]));
-    }
-    for (uint32_t i = 0; i < face->count; i++) {
-        const uint32_t k = i + 1 == face->count ? 0 : i + 1;
-        shortest =
-            lesser(shortest, absolute(out->u[k] - out->u[i]) + absolute(out->v[k] - out->v[i]));
+        out->u[i] = u;
+        out->v[i] = v;
+        size = greater(size, absolute(u - first_u));
+        size = greater(size, absolute(v - first_v));
+        shortest = lesser(shortest, absolute(u - last_u) + absolute(v - last_v));
     }
     out->size = size;
-    out->shortest = shortest;
+    out->shortest = lesser(shortest, absolute(first_u - u) + absolute(first_v - v));
+}
+
+/* Of the polygon whose heights between the corners are asked for. */
+static void take_slope(const pair_face *face, const double frame[9], polygon *out)
+{
     const double along = tribo_vec3_dot(frame, face->normal);
     out->slope[0] = along == 0.0 ? 0.0 : 0.0 - tribo_vec3_dot(frame + 3, face->normal) / along;
     out->slope[1] = along == 0.0 ? 0.0 : 0.0 - tribo_vec3_dot(frame + 6, face->normal) / along;
@@ -202,26 +214,23 @@ typedef struct clipping {
 } clipping;
 
 /* Where p->side crosses side j of the clipping polygon. */
-static corner crossing(const clipping *c, const corner *p, const corner *q, double dp, double dq,
-                       uint32_t j)
+static void crossing(const clipping *c, const corner *p, const corner *q, double dp, double dq,
+                     uint32_t j, corner *x)
 {
     const double f = dp / (dp - dq);
-    corner x = {p->u + f * (q->u - p->u),
-                p->v + f * (q->v - p->v),
-                p->h + f * (q->h - p->h),
-                0,
-                0,
-                p->side};
+    x->u = p->u + f * (q->u - p->u);
+    x->v = p->v + f * (q->v - p->v);
+    x->h = p->h + f * (q->h - p->h);
+    x->side = p->side;
     if (p->side < OWN_SIDE) {
-        x.inner = name_on_side(c->inner, p->side, c->reach, x.u, x.v);
-        x.outer = name_on_side(c->outer, j, c->reach, x.u, x.v);
+        x->inner = name_on_side(c->inner, p->side, c->reach, x->u, x->v);
+        x->outer = name_on_side(c->outer, j, c->reach, x->u, x->v);
     } else {
         const uint32_t i = p->side - OWN_SIDE;
-        const uint32_t first = (j + 1) % c->outer->count == i ? i : j;
-        x.inner = name_inside(c->inner, c->reach, x.u, x.v);
-        x.outer = pair_feature(0, PAIR_VERTEX, first);
+        const uint32_t next = j + 1 == c->outer->count ? 0 : j + 1;
+        x->inner = name_inside(c->inner, c->reach, x->u, x->v);
+        x->outer = pair_feature(0, PAIR_VERTEX, next == i ? i : j);
     }
-    return x;
 }
 
 /* Keep what lies inside of side j; d are the values of its line at the corners. */
@@ -238,11 +247,11 @@ static uint32_t clip_by_line(const clipping *c, const corner *in, uint32_t n, co
         }
         if (inside && !next_inside) {
             if (d[i] > room) {
-                out[m++] = crossing(c, &in[i], &in[k], d[i], d[k], j);
+                crossing(c, &in[i], &in[k], d[i], d[k], j, &out[m++]);
             }
             out[m - 1].side = OWN_SIDE + j;
         } else if (!inside && next_inside && d[k] > room) {
-            out[m++] = crossing(c, &in[i], &in[k], d[i], d[k], j);
+            crossing(c, &in[i], &in[k], d[i], d[k], j, &out[m++]);
         }
     }
     return m;
@@ -281,13 +290,15 @@ static const corner *clip_polygon(const clipping *c, corner work[2][PAIR_MAX_POI
         const line l = side_line(c->outer, j, c->winding);
         const double room = c->slack * l.length;
         const double reach = c->reach * l.length;
-        int cut = 0;
+        double least = (double)INFINITY;
+        double nearest = (double)INFINITY;
         for (uint32_t i = 0; i < n; i++) {
             d[i] = line_value(&l, from[i].u, from[i].v);
-            cut |= d[i] < -room;
-            near |= absolute(d[i]) <= reach;
+            least = lesser(d[i], least);
+            nearest = lesser(absolute(d[i]), nearest);
         }
-        if (cut) {
+        near |= nearest <= reach;
+        if (least < -room) {
             n = clip_by_line(c, from, n, d, room, j, to);
             corner *swap = from;
             from = to;
@@ -415,6 +426,7 @@ uint32_t clip_faces(const pair_query *query, const pair_face faces[2], int refer
     frame_of(axis->normal, frame);
     flatten(&faces[0], frame, &p[0]);
     flatten(&faces[1], frame, &p[1]);
+    take_slope(&faces[reference], frame, &p[reference]);
     return overlap(frame, p, reference, points);
 }
 
@@ -718,6 +730,7 @@ static int is_elsewhere(const pair_query *query, const pair_face faces[2], const
                (absolute(p[0].u[0] - p[1].u[0]) > room || absolute(p[0].v[0] - p[1].v[0]) > room);
     }
     const int side = p[0].count > 1 ? 0 : 1;
+    take_slope(&faces[side], frame, &p[side]);
     const double u = p[1 - side].u[0];
     const double v = p[1 - side].v[0];
     const double between = winding_of(1 - side) * (height_at(&p[side], u, v) - p[1 - side].h[0]);
@@ -785,6 +798,7 @@ static uint32_t touch(const pair_query *query, const pair_face faces[2], const p
         return count > 0 ? count : add_witness(query, faces, frame, axis, points);
     }
     const int reference = choose_reference(faces, axis->normal, &cosine);
+    take_slope(&faces[reference], frame, &p[reference]);
     return cosine >= ALIGNED ? touch_at_faces(query, faces, p, frame, reference, axis, points)
                              : touch_at_ridges(query, faces, p, frame, reference, axis, points);
 }
@@ -860,6 +874,7 @@ void clip_onto(const pair_query *query, const pair_face *face, tribo_manifold *o
     frame_of(face->normal, frame);
     flatten(&faces[0], frame, &p[0]);
     flatten(&faces[1], frame, &p[1]);
+    take_slope(&faces[1], frame, &p[1]);
     const double slack = slack_of(p);
     uint32_t count = p[0].count == 1 ? 0 : overlap(frame, p, 1, points);
     count += add_lowest(query, p, frame, slack, count, points);

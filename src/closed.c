@@ -633,13 +633,11 @@ static void try_faces(const boxes *x, best_axis *best)
 }
 
 /* Distance along the cross product c of edge i of A and edge j of B, times |c|. In the axes of A, c
- * has the components -r[i2][j] and r[i1][j] along i1 and i2. All widths are those of c as it is,
- * with its rounding, so that edges that are nearly parallel do no harm: the direction has noise,
- * its distance has none. */
-static double edge_distance(const boxes *x, int i, int j, double *along)
+ * has the components -r[i2][j] and r[i1][j] along the two axes i1 and i2 that follow i. All widths
+ * are those of c as it is, with its rounding, so that edges that are nearly parallel do no harm:
+ * the direction has noise, its distance has none. */
+TRIBO_ALWAYS_INLINE double edge_distance(const boxes *x, int i1, int i2, int j, double *along)
 {
-    const int i1 = i == 2 ? 0 : i + 1;
-    const int i2 = i == 0 ? 2 : i - 1;
     const int j1 = j == 2 ? 0 : j + 1;
     const int j2 = j == 0 ? 2 : j - 1;
     const double c1 = x->r[i2][j];
@@ -658,11 +656,13 @@ static int try_edges(const boxes *x, best_axis *best)
     double limit = best->distance + x->rounding;
     const double margin = x->query->margin;
     for (int i = 0; i < 3; i++) {
+        const int i1 = i == 2 ? 0 : i + 1;
+        const int i2 = i == 0 ? 2 : i - 1;
         for (int j = 0; j < 3; j++) {
             double along;
-            const double distance = edge_distance(x, i, j, &along);
-            const double c1 = x->r[i == 0 ? 2 : i - 1][j];
-            const double c2 = x->r[i == 2 ? 0 : i + 1][j];
+            const double distance = edge_distance(x, i1, i2, j, &along);
+            const double c1 = x->r[i2][j];
+            const double c2 = x->r[i1][j];
             const double sine2 = c1 * c1 + c2 * c2;
             if (!(sine2 > EDGES_PARALLEL) ||
                 (distance < 0.0 && !(limit < 0.0 && distance * distance < limit * limit * sine2))) {
@@ -712,7 +712,7 @@ static void box_face_along(const pair_query *query, int side, const double direc
 static double face_size(const double half[3], uint32_t feature)
 {
     const uint32_t axis = feature / 2;
-    return greater(half[(axis + 1) % 3], half[(axis + 2) % 3]);
+    return greater(half[axis == 2 ? 0 : axis + 1], half[axis == 0 ? 2 : axis - 1]);
 }
 
 static void finish_faces(const boxes *x, const pair_face faces[2], const pair_axis *axis,
