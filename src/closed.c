@@ -401,17 +401,24 @@ static void box_edges(const double r[9], const double half[3], double edges[3][3
 }
 
 /* Corners of face (axis, sign), counter-clockwise seen from outside, from the centre. */
-static void box_corners(double edges[3][3], int axis, double sign, double corners[12])
+static void box_corners(const double r[9], const double half[3], int axis, double sign,
+                        double *restrict corners)
 {
-    const double *u = edges[axis == 2 ? 0 : axis + 1];
-    const double *v = edges[axis == 0 ? 2 : axis - 1];
+    const int next = axis == 2 ? 0 : axis + 1;
+    const int last = axis == 0 ? 2 : axis - 1;
+    const double *outward = r + axis;
+    const double *along = r + next;
+    const double *across = r + last;
     for (int k = 0; k < 3; k++) {
-        const double right = sign * (edges[axis][k] + u[k]);
-        const double left = sign * (edges[axis][k] - u[k]);
-        corners[k] = right + v[k];
-        corners[3 + k] = left + v[k];
-        corners[6 + k] = left - v[k];
-        corners[9 + k] = right - v[k];
+        const double out = outward[3 * k] * half[axis];
+        const double u = along[3 * k] * half[next];
+        const double v = across[3 * k] * half[last];
+        const double right = sign * (out + u);
+        const double left = sign * (out - u);
+        corners[k] = right + v;
+        corners[3 + k] = left + v;
+        corners[6 + k] = left - v;
+        corners[9 + k] = right - v;
     }
 }
 
@@ -455,7 +462,6 @@ TRIBO_NEVER_INLINE void box_plane_reduced(const pair_query *query, const plane *
 /* The lowest face: it holds the deepest corner. */
 static tribo_status box_plane(const pair_query *query, const plane *p, tribo_manifold *out)
 {
-    double edges[3][3];
     double corners[12];
     double down[3];
     double way[3]; /* of the half-edges along the normal */
@@ -492,8 +498,7 @@ static tribo_status box_plane(const pair_query *query, const plane *p, tribo_man
         return TRIBO_OK;
     }
     const uint32_t face = box_face_number(axis, sign);
-    box_edges(query->ra, half, edges);
-    box_corners(edges, axis, sign, corners);
+    box_corners(query->ra, half, axis, sign, corners);
     if (count > query->max_points) {
         box_plane_reduced(query, p, corners, distances, face, count, near, out);
         return clip_check(out);
@@ -686,10 +691,9 @@ static int try_edges(const boxes *x, best_axis *best)
 
 static void box_face(const pair_query *query, int side, int axis, double sign, pair_face *face)
 {
-    double edges[3][3];
     const double *r = side == 0 ? query->ra : query->rb;
-    box_edges(r, side == 0 ? query->a->size : query->b->size, edges);
-    box_corners(edges, axis, sign, face->points);
+    const double *half = side == 0 ? query->a->size : query->b->size;
+    box_corners(r, half, axis, sign, face->points);
     face->count = 4;
     face->feature = box_face_number(axis, sign);
     column(r, axis, face->normal);
@@ -931,13 +935,11 @@ int closed_exists(uint32_t type_a, uint32_t type_b)
            (type_a == type_b && type_b <= TRIBO_SHAPE_CAPSULE);
 }
 
-tribo_status closed_manifold(const pair_query *query, tribo_manifold *out)
+/* Two shapes of which none is a half-space. */
+TRIBO_NEVER_INLINE tribo_status two_solids(const pair_query *query, tribo_manifold *out)
 {
     const uint32_t type_a = query->a->type;
     const uint32_t type_b = query->b->type;
-    if (type_b == TRIBO_SHAPE_HALFSPACE) {
-        return half_space(query, out);
-    }
     if (type_a == TRIBO_SHAPE_BOX) {
         return box_box(query, out);
     }
@@ -951,4 +953,10 @@ tribo_status closed_manifold(const pair_query *query, tribo_manifold *out)
         sphere_box(query, out);
     }
     return clip_check(out);
+}
+
+tribo_status closed_manifold(const pair_query *query, tribo_manifold *out)
+{
+    return query->b->type == TRIBO_SHAPE_HALFSPACE ? half_space(query, out)
+                                                   : two_solids(query, out);
 }

@@ -29,11 +29,13 @@ static tribo_status read_options(const tribo_collide_options *options, tribo_col
             return TRIBO_ERROR_STRUCT_SIZE;
         }
         /* A field counts only if the caller's struct holds all of it. */
+        const size_t head = offsetof(tribo_collide_options, margin);
         const size_t size = options->struct_size;
-        full->method = size >= offsetof(tribo_collide_options, method) + 4 ? options->method : 0;
-        full->max_points =
-            size >= offsetof(tribo_collide_options, max_points) + 4 ? options->max_points : 0;
-        full->margin = size >= sizeof *options ? options->margin : 0.0;
+        if (size == sizeof *options) {
+            *full = *options;
+        } else {
+            memcpy(full, options, size < head ? size : head);
+        }
     }
     if (full->method > TRIBO_METHOD_GENERAL || full->max_points > TRIBO_MAX_POINTS) {
         return TRIBO_ERROR_OPTION;
@@ -63,7 +65,7 @@ static int is_upright(const double q[4])
 }
 
 /* The rotation of a pose, if all of it is well. */
-static tribo_status take_rotation(const tribo_pose *pose, double r[9])
+TRIBO_ALWAYS_INLINE tribo_status take_rotation(const tribo_pose *pose, double r[9])
 {
     static const double upright[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
     const double *q = pose->orientation;
@@ -179,15 +181,19 @@ static tribo_status in_order(const pair_query *query, uint32_t method, tribo_man
     return status;
 }
 
+TRIBO_NEVER_INLINE tribo_status touch_turned(const pair_query *query, uint32_t method,
+                                             tribo_manifold *out, tribo_collide_info *info)
+{
+    pair_query turned;
+    turn(query, &turned);
+    return in_order(&turned, method, out, info);
+}
+
 static tribo_status touch(const pair_query *query, uint32_t method, tribo_manifold *out,
                           tribo_collide_info *info)
 {
-    pair_query turned;
-    const int is_other = is_turned(query);
-    if (is_other) {
-        turn(query, &turned);
-    }
-    return in_order(is_other ? &turned : query, method, out, info);
+    return is_turned(query) ? touch_turned(query, method, out, info)
+                            : in_order(query, method, out, info);
 }
 
 /* The pair without its shapes' parts, if all of it is well. */

@@ -45,11 +45,11 @@ static tribo_status check_pose(const tribo_pose *pose)
 
 static tribo_status check_halfspace(const double *size)
 {
-    if (!all_finite(size, 4)) {
-        return TRIBO_ERROR_NOT_FINITE;
-    }
     const double square = tribo_vec3_dot(size, size);
-    return absolute(square - 1.0) <= NORMAL_TOLERANCE ? TRIBO_OK : TRIBO_ERROR_NORMAL;
+    if (all_finite(&size[3], 1) && absolute(square - 1.0) <= NORMAL_TOLERANCE) {
+        return TRIBO_OK;
+    }
+    return all_finite(size, 4) ? TRIBO_ERROR_NORMAL : TRIBO_ERROR_NOT_FINITE;
 }
 
 static tribo_status check_user(const tribo_convex *user)
