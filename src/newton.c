@@ -29,6 +29,11 @@
 #define CLIQUE_SHARE 0.15 /* contacts of one body are all linked: fewer, larger blocks */
 #define SYMMETRY 1e-12
 #define PATIENCE 1500 /* Newton steps that bring nothing */
+/* Two proximal steps that bring nothing, where eta is as small as what rounding of impulses that
+ * work against each other does to it, in units of their growth and at most. */
+#define FLOOR_PATIENCE (2 * INNER_STEPS)
+#define FLOOR_GROWTH (64.0 * TRIBO_EPS)
+#define FLOOR_MOST (65536.0 * TRIBO_EPS)
 
 struct newton {
     const system_problem *problem;
@@ -37,7 +42,9 @@ struct newton {
     double fall;  /* of alpha */
     double outer; /* |F| without the proximal term, and the distance from the goal */
     double distance;
-    uint64_t won; /* step that brought something last */
+    uint64_t won;      /* step that brought something last */
+    uint64_t renewed;  /* step that found the best impulses so far */
+    uint32_t on_floor; /* 1: eta is down at rounding, and falls no further */
     double alpha;
     verdict reached; /* by the best impulses */
     uint32_t sweeps; /* of the next smoothing */
@@ -1146,14 +1153,26 @@ void newton_start(newton *n, const system_problem *problem, const goal *wanted,
     n->alpha = FIRST_ALPHA * n->size;
     n->fall = FAST_FALL;
     n->sweeps = LEAST_SWEEPS;
-    n->won = run->steps;
+    n->won = n->renewed = run->steps;
+    n->on_floor = 0;
     if (problem->bodies != 0)
         prepare_bodies(n, is_dense(6 * problem->bodies, run));
 }
 
 uint32_t newton_stalls(const newton *n, const newton_run *run)
 {
-    return run->steps - n->won >= PATIENCE;
+    return n->on_floor != 0 || run->steps - n->won >= PATIENCE;
+}
+
+/* 1 if the best impulses are as good as rounding lets them be, and no better ones come. */
+static uint32_t is_on_floor(newton *n, const newton_run *run)
+{
+    const double eta = n->reached.distance * n->wanted->tolerance;
+
+    if (n->wanted->measure != TRIBO_MEASURE_ETA || eta > FLOOR_MOST ||
+        run->steps - n->renewed < FLOOR_PATIENCE)
+        return 0;
+    return eta <= FLOOR_GROWTH * certificate_growth(n->problem, n->best, n->dv);
 }
 
 /* One proximal step. */
@@ -1183,6 +1202,8 @@ static void advance(newton *n, newton_run *run)
         certificate_velocity(n->problem, n->r, n->dv, n->u);
     }
     n->won = n->reached.residual < 0.9 * before ? run->steps : n->won;
+    n->renewed = n->reached.residual < before ? run->steps : n->renewed;
+    n->on_floor = is_on_floor(n, run);
 }
 
 double newton_continue(newton *n, newton_run *run, uint64_t steps, double *r)

@@ -209,14 +209,33 @@ static void test_towers_rest_from_warm_starts(void **state)
     settle("towers");
 }
 
+/* Walls and card houses ask for less than rounding leaves: Newton ends there, and does not go on for
+ * the 1000 steps that a solve may take. */
+static void test_newton_ends_at_rounding(void **state)
+{
+    static const char *const names[2] = {"b10-wall-91", "b9-card-house"};
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        world w;
+        const scene_answer answer = play(names[k], 1.0 / 60.0, 1.0, &w);
+        print_message("# %s: %d Newton steps in the last of %d steps, stopped by %d\n", names[k],
+                      (int)w.last.newton_steps, (int)w.steps, (int)w.last.stop);
+        assert_in_range(w.last.newton_steps, 0, 600);
+        assert_true(w.last.stop != TRIBO_STOP_ITERATIONS);
+        within(answer.error, 1e-9);
+    }
+    settle("walls and card houses");
+}
+
 int main(void)
 {
     static const struct CMUnitTest more[] = {
-        TEST(test_names_are_unique),       TEST(test_first_order),
-        TEST(test_spin_is_of_first_order), TEST(test_flip_at_any_step),
-        TEST(test_exact_at_any_step),      TEST(test_painleve_at_any_step),
-        TEST(test_sampled_disc_converges), TEST(test_bounces_end),
-        TEST(test_heaps_in_long_steps),    TEST(test_towers_rest_from_warm_starts),
+        TEST(test_names_are_unique),        TEST(test_first_order),
+        TEST(test_spin_is_of_first_order),  TEST(test_flip_at_any_step),
+        TEST(test_exact_at_any_step),       TEST(test_painleve_at_any_step),
+        TEST(test_sampled_disc_converges),  TEST(test_bounces_end),
+        TEST(test_heaps_in_long_steps),     TEST(test_towers_rest_from_warm_starts),
+        TEST(test_newton_ends_at_rounding),
     };
     static struct CMUnitTest tests[MOST_SCENES];
     const size_t stride = problem_count(20) < 20 ? 8 : 1; /* under a sanitizer one in eight */
