@@ -1622,6 +1622,36 @@ static void points_lie_in_both_shapes(void **state)
     assert_true(worst <= 1e-9);
 }
 
+/* A caller's older and shorter struct: what it does not hold whole is not looked at. */
+static void options_of_any_age(void **state)
+{
+    (void)state;
+    const tribo_shape box = make(TRIBO_SHAPE_BOX, 1, 1, 1);
+    const tribo_shape plane = {TRIBO_SHAPE_HALFSPACE, 0, {0, 0, 1, 0}, NULL};
+    const tribo_pose here = at(0, 0, 0);
+    const tribo_pose touching = at(0, 0, 0.9375);
+    const tribo_pose above = at(0, 0, 1.0625);
+    tribo_manifold m;
+    uint32_t count;
+    for (uint32_t size = 4; size <= sizeof(tribo_collide_options); size += 4) {
+        tribo_collide_options options = with_margin(0.125);
+        options.struct_size = size;
+        options.max_points = 2;
+        assert_int_equal(
+            tribo_collide_shapes(&box, &touching, &plane, &here, &options, 1, &m, &count, NULL),
+            TRIBO_OK);
+        assert_int_equal(m.count, size >= 12 ? 2 : 4);
+        assert_int_equal(
+            tribo_collide_shapes(&box, &above, &plane, &here, &options, 1, &m, &count, NULL),
+            TRIBO_OK);
+        assert_int_equal(count, size == sizeof options ? 1 : 0);
+        options.method = 3;
+        assert_int_equal(
+            tribo_collide_shapes(&box, &above, &plane, &here, &options, 1, &m, &count, NULL),
+            size >= 8 ? TRIBO_ERROR_OPTION : TRIBO_OK);
+    }
+}
+
 /* Counters, older structs, limits of points, many manifolds against little room. */
 static void options_and_counters(void **state)
 {
@@ -1786,6 +1816,7 @@ int main(void)
         cmocka_unit_test_setup(meshes_have_one_side, fresh),
         cmocka_unit_test_setup(ridges_show, fresh),
         cmocka_unit_test_setup(faults_are_named_and_change_nothing, fresh),
+        cmocka_unit_test_setup(options_of_any_age, fresh),
         cmocka_unit_test_setup(options_and_counters, fresh),
         cmocka_unit_test_setup(batches_are_single_calls, fresh),
         cmocka_unit_test_setup(general_method_agrees, fresh),
