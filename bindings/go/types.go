@@ -451,17 +451,17 @@ var _ = [1]struct{}{}[unsafe.Sizeof(SystemContact{})-152]
 //	W_cc; in the bodies form the sum is taken body by body, |J_c| |M^-1| sum |J_j^T||r_j|, which is
 //	somewhat more. A contact is judged by mu_d; by mu_s where that is nearer, and then its sliding
 //	velocity counts in full: over V in eta, squared in the sums of invariant and siconos. One-row
-//	contacts are judged as contacts without friction. With restitution the measures judge the plastic
-//	solution that it is built on.
+//	contacts are judged as contacts without friction. With restitution the measures judge the
+//	plastic solution that it is built on.
 //
-//	The torque of a contact with a length is judged beside its impulse, and the worse of the two counts:
-//	eta is |tau - P(tau - s omega)| / T with P the nearest torque within the bounds, 1 / s the greatest
-//	diagonal entry of its 3x3 matrix W_tau (omega = W_tau tau + ...), T = s Omega, and Omega the scale of
-//	omega as V is that of u, with V / arm added to it. The arm, of the radius of gyration that the bodies
-//	have at the contact, is the power of two that brings the greatest entry on the diagonal of W_tau
-//	arm^2 to within [1/4, 1] of that of W_cc. Sums over contacts (invariant, siconos, energy_scale, |q|)
-//	take arm omega for one more u and tau / arm for its r. Cone is max(0, |tau| - bound) / T,
-//	misalignment | |omega| tau + bound omega | / (T Omega).
+//	The torque of a contact with a length is judged beside its impulse, and the worse of the two
+//	counts: eta is |tau - P(tau - s omega)| / T with P the nearest torque within the bounds, 1 / s
+//	the greatest diagonal entry of its 3x3 matrix W_tau (omega = W_tau tau + ...), T = s Omega, and
+//	Omega the scale of omega as V is that of u, with V / arm added to it. The arm is about the
+//	radius of gyration: the power of two with the binary exponent (x - y) / 2, rounded down, where x
+//	and y are those of the greatest entries on the diagonals of W_cc and W_tau. Sums over contacts
+//	(invariant, siconos, energy_scale, |q|) take arm omega for one more u and tau / arm for its r.
+//	Cone is max(0, |tau| - bound) / T, misalignment | |omega| tau + bound omega | / (T Omega).
 //
 //	TRIBO_STOP_TOLERANCE by eta also promises eta V <= a tenth of the greatest |q|: where impulses
 //	grow without bound, eta falls though nothing is solved. Of contacts with mu_d above 1 it promises

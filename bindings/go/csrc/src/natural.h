@@ -1,5 +1,5 @@
-/* The natural map of one contact, F = g r - P_K(g r - u'), and its derivative: shared by Newton on a
- * system and Newton on one contact. */
+/* The natural map of one contact, F = g r - P_K(g r - u'), and its derivative: shared by Newton on
+ * a system and Newton on one contact. */
 #ifndef TRIBO_NATURAL_H
 #define TRIBO_NATURAL_H
 
@@ -7,7 +7,8 @@
 
 enum { OPEN, SLIP, STICK };
 
-/* F at the impulse r and the velocity u, g > 0; y receives g r - u'. Returns OPEN, SLIP or STICK. */
+/* F at the impulse r and the velocity u, g > 0; y receives g r - u'. Returns OPEN, SLIP or
+ * STICK. */
 static inline uint32_t natural_map(double g, double mu, const double r[3], const double u[3],
                                    double f[3], double y[3])
 {
@@ -48,10 +49,10 @@ static inline void natural_derivative(uint32_t mode, const double y[3], double m
     p[8] = along * h2 * h2 + across * h1 * h1;
 }
 
-/* dF by a change of velocity, slope = P E, E the derivative of u' by u, and by one of r alone, own =
- * g (1 - P) + alpha P E, where u itself changes by alpha dr; right = F. Where a contact sticks, P =
- * 1, and all three are multiplied by E^-1: that row of the matrix is one of W. u, f, y and mode are
- * those of natural_map. */
+/* dF by a change of velocity, slope = P E, E the derivative of u' by u, and by one of r alone, own
+ * = g (1 - P) + alpha P E, where u itself changes by alpha dr; right = F. Where a contact sticks, P
+ * = 1, and all three are multiplied by E^-1: that row of the matrix is one of W. u, f, y and mode
+ * are those of natural_map. */
 static inline void natural_linearize(uint32_t mode, double g, double alpha, double mu,
                                      const double u[3], const double y[3], const double f[3],
                                      double slope[9], double own[9], double right[3])

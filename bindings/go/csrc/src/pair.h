@@ -65,6 +65,35 @@ TRIBO_ALWAYS_INLINE double extent(const double v[3])
     return absolute(v[0]) + absolute(v[1]) + absolute(v[2]);
 }
 
+/* Distances and lengths of closed forms overflow nowhere on the way, if the lengths they are made
+ * from add up to less than this. */
+#define PAIR_LARGE 1e100
+
+/* One number after the other: what was stored so can not be loaded at once without a stall. */
+TRIBO_ALWAYS_INLINE void pair_write_point(const pair_query *query, const pair_point *from,
+                                          tribo_point *to)
+{
+    double *own = query->turned ? to->arm_b : to->arm_a;
+    double *other = query->turned ? to->arm_a : to->arm_b;
+    for (int i = 0; i < 3; i++) {
+        own[i] = from->middle[i];
+        other[i] = from->middle[i] - query->offset[i];
+    }
+    to->distance = from->distance;
+    to->id = query->turned ? (uint64_t)from->b << 32 | from->a : (uint64_t)from->a << 32 | from->b;
+}
+
+TRIBO_ALWAYS_INLINE void pair_write_head(const pair_query *query, const double normal[3],
+                                         uint32_t count, tribo_manifold *out)
+{
+    const double sign = query->turned ? -1.0 : 1.0;
+    memset(out, 0, offsetof(tribo_manifold, points));
+    out->count = count;
+    out->normal[0] = 0.0 + sign * normal[0];
+    out->normal[1] = 0.0 + sign * normal[1];
+    out->normal[2] = 0.0 + sign * normal[2];
+}
+
 /* shape.c: support point and face of a judged convex shape in its own axes. The first returns 0
  * where a user's function gave no finite point. */
 int shape_support(const tribo_shape *shape, const double direction[3], double point[3]);
@@ -102,6 +131,10 @@ int clip_distance(const pair_query *query, const double normal[3], double *dista
 /* clip.c: a manifold without points. */
 void clip_nothing(tribo_manifold *out);
 
+/* clip.c: TRIBO_ERROR_RANGE if a number of the manifold has overflowed: lengths near the ends of
+ * the range of numbers do so on the way. */
+tribo_status clip_check(const tribo_manifold *manifold);
+
 /* clip.c: manifold of these points, at most as many as the query asks for. */
 void clip_write(const pair_query *query, const double normal[3], uint32_t count,
                 const pair_point *points, tribo_manifold *out);
@@ -114,7 +147,8 @@ void clip_finish(const pair_query *query, const double normal[3], double size, u
 /* closed.c: whether two kinds of shapes, A's number not the greater, have a closed form. */
 int closed_exists(uint32_t type_a, uint32_t type_b);
 
-/* closed.c: its manifold. TRIBO_ERROR_SUPPORT if a user's function gave no finite point. */
+/* closed.c: its manifold. TRIBO_ERROR_SUPPORT if a user's function gave no finite point,
+ * TRIBO_ERROR_RANGE if a number overflowed. */
 tribo_status closed_manifold(const pair_query *query, tribo_manifold *out);
 
 #endif

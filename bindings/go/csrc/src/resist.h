@@ -1,10 +1,10 @@
 /* Rolling and spinning resistance: the torque at a contact, bounded by its normal impulse.
  *
- * In a system_problem a torque stands right behind its contact, laid out as if it were one more: its
- * r is tau / arm and its u is arm omega, by the axes (n, t1, t2) of the contact. The arm, a power of
- * two, brings its diagonal of W to the size of the contact's. Its law is a projection, too, on limits
- * that the normal impulse N of the contact sets: r_n in [-spinning N, spinning N], (r_t1, r_t2) in the
- * disc of radius rolling N, with lengths over the arm. */
+ * In a system_problem a torque stands right behind its contact, laid out as if it were one more:
+ * its r is tau / arm and its u is arm omega, by the axes (n, t1, t2) of the contact. The arm, a
+ * power of two, brings its diagonal of W to the size of the contact's. Its law is a projection,
+ * too, on limits that the normal impulse N of the contact sets: r_n in [-spinning N, spinning N],
+ * (r_t1, r_t2) in the disc of radius rolling N, with lengths over the arm. */
 #ifndef TRIBO_RESIST_H
 #define TRIBO_RESIST_H
 
@@ -47,7 +47,8 @@ static inline void resist_project(const double y[3], const double limits[2], dou
     out[2] = share * y[2];
 }
 
-/* F = g r - P(g r - u) of a torque, for limits times g. Returns STICK if nothing turns, else SLIP. */
+/* F = g r - P(g r - u) of a torque, for limits times g. Returns STICK where it is within
+ * them, else SLIP. */
 uint32_t resist_map(double g, const double limits[2], const double r[3], const double u[3],
                     double f[3], double y[3]);
 

@@ -1,7 +1,7 @@
 /* The problem that the solvers of a system share, and the places they stand behind.
  *
- * Contacts of one system: u = W r + q, with W given by bodies (J M^-1 J^T) or by blocks. The torque of
- * a contact that resists rolling or spinning is one more "contact", right behind its own: see
+ * Contacts of one system: u = W r + q, with W given by bodies (J M^-1 J^T) or by blocks. The torque
+ * of a contact that resists rolling or spinning is one more "contact", right behind its own: see
  * resist.h. */
 #ifndef TRIBO_SYSTEM_PRIVATE_H
 #define TRIBO_SYSTEM_PRIVATE_H

@@ -13,7 +13,8 @@
  *      next midpoint, faster than the threshold, part by the restitution of their pairs
  *      (tribo_system_solve). In passes, at most 64, until none is left: in each those that are the
  *      first of both bodies, all at once that come within a sixteenth of the sub-step;
- *   4. forces act, and contacts hold: gap + h u_n >= 0 at the end, with Coulomb friction;
+ *   4. forces act, and contacts hold: gap + h u_n >= 0 at the end, with Coulomb friction, and with
+ *      rolling and spinning resistance where bodies have it;
  *   5. all bodies fly freely for the other h/2;
  *   6. where bodies overlap by more than rounding, and would go on to, they are moved apart;
  *      velocities do not change.

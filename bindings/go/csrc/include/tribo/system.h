@@ -24,10 +24,11 @@
  *   |tau_n| <= spinning r_n, and = spinning r_n, opposite to omega_n, where omega_n is not 0,
  *
  * omega = omega_A - omega_B. With u' = u + (mu |u_t| + rolling |omega_t| + spinning |omega_n|) e_n
- * this is complementarity on one cone of r and tau (Acary & Bourrier, Eur. J. Mech. A/Solids 85 (2021),
- * for rolling). An implicit law: what it stops, stands still and does not turn back. What it
- * costs is paid where it is set: a contact with both lengths 0 has the rows, the bits and the price
- * that it has without them.
+ * this is complementarity on one cone of r and tau (Acary & Bourrier, Eur. J. Mech. A/Solids 85
+ * (2021), for rolling). An implicit law: what it stops, stands still and does not turn back. Where
+ * there is restitution, torques come with the plastic solution and with Newton's; the frictionless
+ * way between them has none. What torques cost is paid where they are set: a contact with both
+ * lengths 0 has the rows, the bits and the price that it has without them.
  *
  * Memory is the caller's: ask for the size, give a buffer. Nothing is kept between calls but what
  * the caller keeps (impulses for a warm start). See base.h for the rules on aliasing and threads.
@@ -96,17 +97,17 @@ enum {
  *  W_cc; in the bodies form the sum is taken body by body, |J_c| |M^-1| sum |J_j^T||r_j|, which is
  *  somewhat more. A contact is judged by mu_d; by mu_s where that is nearer, and then its sliding
  *  velocity counts in full: over V in eta, squared in the sums of invariant and siconos. One-row
- *  contacts are judged as contacts without friction. With restitution the measures judge the plastic
- *  solution that it is built on.
+ *  contacts are judged as contacts without friction. With restitution the measures judge the
+ *  plastic solution that it is built on.
  *
- *  The torque of a contact with a length is judged beside its impulse, and the worse of the two counts:
- *  eta is |tau - P(tau - s omega)| / T with P the nearest torque within the bounds, 1 / s the greatest
- *  diagonal entry of its 3x3 matrix W_tau (omega = W_tau tau + ...), T = s Omega, and Omega the scale of
- *  omega as V is that of u, with V / arm added to it. The arm, of the radius of gyration that the bodies
- *  have at the contact, is the power of two that brings the greatest entry on the diagonal of W_tau
- *  arm^2 to within [1/4, 1] of that of W_cc. Sums over contacts (invariant, siconos, energy_scale, |q|)
- *  take arm omega for one more u and tau / arm for its r. Cone is max(0, |tau| - bound) / T,
- *  misalignment | |omega| tau + bound omega | / (T Omega).
+ *  The torque of a contact with a length is judged beside its impulse, and the worse of the two
+ *  counts: eta is |tau - P(tau - s omega)| / T with P the nearest torque within the bounds, 1 / s
+ *  the greatest diagonal entry of its 3x3 matrix W_tau (omega = W_tau tau + ...), T = s Omega, and
+ *  Omega the scale of omega as V is that of u, with V / arm added to it. The arm is about the
+ *  radius of gyration: the power of two with the binary exponent (x - y) / 2, rounded down, where x
+ *  and y are those of the greatest entries on the diagonals of W_cc and W_tau. Sums over contacts
+ *  (invariant, siconos, energy_scale, |q|) take arm omega for one more u and tau / arm for its r.
+ *  Cone is max(0, |tau| - bound) / T, misalignment | |omega| tau + bound omega | / (T Omega).
  *
  *  TRIBO_STOP_TOLERANCE by eta also promises eta V <= a tenth of the greatest |q|: where impulses
  *  grow without bound, eta falls though nothing is solved. Of contacts with mu_d above 1 it promises
@@ -197,8 +198,8 @@ typedef struct tribo_system_options {
     tribo_clock_function clock;       /**< may be null: no time is measured */
     void *user;                       /**< handed to progress, parallel and clock */
     double *torques; /**< width 3: receives the torques on A of all contacts, N m s; 0 where both
-                          lengths are 0. Holds their start if warm_start is 1. May be null: not told,
-                          start from 0. Bodies form only */
+                          lengths are 0. Holds their start if warm_start is 1. May be null: they
+                          start from 0 and are not told. Bodies form only */
 } tribo_system_options;
 
 /** Bytes of workspace for tribo_system_solve.
@@ -227,8 +228,8 @@ TRIBO_API tribo_status tribo_system_workspace_size(size_t body_count, size_t cou
  *          TRIBO_ERROR_STRUCT_SIZE, TRIBO_ERROR_OPTION, TRIBO_ERROR_ISA, TRIBO_ERROR_INDEX,
  *          TRIBO_ERROR_ALIAS (A is B), TRIBO_ERROR_CAPACITY (workspace), TRIBO_ERROR_NOT_FINITE, a
  *          status of tribo_body_check, tribo_material_check, TRIBO_ERROR_FRICTION (a length < 0),
- *          TRIBO_ERROR_NORMAL, TRIBO_ERROR_IMMOVABLE (neither body of a contact can move along its normal),
- *          TRIBO_ERROR_RANGE (numbers beyond double), or a status of options->linear. */
+ *          TRIBO_ERROR_NORMAL, TRIBO_ERROR_IMMOVABLE (neither body of a contact can move along its
+ *          normal), TRIBO_ERROR_RANGE (numbers beyond double), or a status of options->linear. */
 TRIBO_API tribo_status tribo_system_solve(size_t body_count, const tribo_body *bodies, size_t count,
                                           const tribo_system_contact *contacts,
                                           const tribo_system_options *options, void *workspace,
