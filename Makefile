@@ -347,7 +347,7 @@ check:
 	$(MAKE) --no-print-directory run-check
 
 run-check:
-	$(TEST_ENV) tests/run -j $(JOBS) $(wildcard tests/*.sh) $(BINDINGS) $(PROPERTIES)
+	$(TEST_ENV) tests/run -j $(JOBS) -t 900 $(wildcard tests/*.sh) $(BINDINGS) $(PROPERTIES)
 
 check-bindings:
 	.ci/deps check bindings
