@@ -166,6 +166,28 @@ func TestSavedScenes(t *testing.T) {
 	}
 }
 
+// A ball slows by 5/7 rolling g / R.
+func TestRollingResistance(t *testing.T) {
+	material := Material{MuS: 0.5, MuD: 0.5}
+	scene := must(NewScene([3]float64{0, 0, -10}))
+	must(scene.Add(Fixed(must(HalfSpace([3]float64{0, 0, 1}, 0)), material)))
+	ball := must(Solid(must(Sphere(0.5)), 1, material))
+	ball.State.Position[2] = 0.5
+	ball.State.Velocity[0] = 1
+	ball.State.AngularVelocity[1] = 2
+	ball.Rolling = 0.02
+	id := must(scene.Add(ball))
+	for range 100 {
+		must(scene.Step(0.01, StepOptions{}))
+	}
+	if left := must(scene.Body(id)).Velocity[0]; math.Abs(left-(1-5.0/7*0.02*10/0.5)) > 1e-9 {
+		t.Error(left)
+	}
+	ball.Spinning = -1
+	_, err := scene.Add(ball)
+	expect(t, err, ErrFriction)
+}
+
 func TestTree(t *testing.T) {
 	tree := must(NewTree(8, 0))
 	must(tree.Add([3]float64{}, [3]float64{1, 1, 1}))

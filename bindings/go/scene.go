@@ -37,6 +37,8 @@ type SceneBody struct {
 	Offset   Pose       // of the shape in the body's axes
 	Material Material   // mixed with that of what it touches
 	Belt     [3]float64 // velocity of the surface past the body, m/s, body axes
+	Rolling  float64    // rolling resistance, m; of a pair the greater counts
+	Spinning float64    // spinning resistance, m; of a pair the greater counts
 }
 
 // Fixed is an immovable body of a shape, at the origin.
@@ -128,6 +130,7 @@ func (s *Scene) Add(body SceneBody) (uint32, error) {
 	for i, v := range body.Belt {
 		raw.belt[i] = C.double(v)
 	}
+	raw.rolling, raw.spinning = C.double(body.Rolling), C.double(body.Spinning)
 	var keep *block
 	if body.Shape != nil {
 		raw.shape = body.Shape.raw

@@ -187,6 +187,20 @@ def test_saved_states_keep_their_shapes():
     assert ends[0] == ends[1] and ends[0] != saved
 
 
+def test_rolling_resistance():
+    """A ball slows by 5/7 rolling g / R, and stops; a length below 0 is refused."""
+    with tribo.Scene((0, 0, -10.0)) as scene:
+        material = tribo.Material(0.5, 0.5)
+        scene.add(shape.halfspace((0, 0, 1)), kind=tribo.Kind.STATIC, material=material)
+        ball = scene.add(shape.sphere(0.5), density=1.0, position=(0, 0, 0.5), velocity=(1, 0, 0),
+                         angular_velocity=(0, 2, 0), material=material, rolling=0.02)
+        for _ in range(100):
+            scene.step(0.01)
+        assert abs(scene.body(ball)["velocity"][0] - (1 - 5 / 7 * 0.02 * 10 / 0.5)) < 1e-9
+        with pytest.raises(errors.FrictionError):
+            scene.add(shape.sphere(0.5), density=1.0, spinning=-1.0)
+
+
 def test_executors_change_no_bit():
     from concurrent.futures import ThreadPoolExecutor
 

@@ -40,16 +40,19 @@ class Scene(Owner):
             state: Struct | None = None, kind: Kind = Kind.DYNAMIC,
             position: Vector = (0, 0, 0), orientation: Vector = (1, 0, 0, 0),
             velocity: Vector = (0, 0, 0), angular_velocity: Vector = (0, 0, 0),
-            material: Material = Material(), belt: Vector = (0, 0, 0)) -> int:
+            material: Material = Material(), belt: Vector = (0, 0, 0), rolling: float = 0.0,
+            spinning: float = 0.0) -> int:
         """Add a body; returns its id.
 
         A dynamic body needs `density` with a shape (whose centre of mass then is the body's
-        origin), or `state`: a body of DTYPES["body"], which also holds pose and velocities."""
+        origin), or `state`: a body of DTYPES["body"], which also holds pose and velocities.
+        rolling, spinning: lengths (m) of resistance; of a pair the greater ones count."""
         c = ffi.new("tribo_scene_body *")
         check(lib.tribo_scene_body_init(c), "Scene.add")
         c.kind = kind
         c.material = material._c()[0]
         c.belt = list(vector(belt, 3, "belt"))
+        c.rolling, c.spinning = rolling, spinning
         if shape is not None:
             c.shape = shape._c[0]
         if state is not None:

@@ -41,6 +41,10 @@ pub struct SceneBody {
     pub material: Material,
     /// Velocity of the surface past the body, m/s, body axes.
     pub belt: [f64; 3],
+    /// Rolling resistance, m; of a pair the greater counts.
+    pub rolling: f64,
+    /// Spinning resistance, m; of a pair the greater counts.
+    pub spinning: f64,
 }
 
 impl SceneBody {
@@ -53,6 +57,8 @@ impl SceneBody {
             offset: crate::pose([0.0; 3], [1.0, 0.0, 0.0, 0.0]),
             material,
             belt: [0.0; 3],
+            rolling: 0.0,
+            spinning: 0.0,
         }
     }
 
@@ -159,6 +165,7 @@ impl Scene {
         raw.offset = body.offset;
         raw.material = body.material;
         raw.belt = body.belt;
+        (raw.rolling, raw.spinning) = (body.rolling, body.spinning);
         if let Some(shape) = &body.shape {
             raw.shape = shape.raw;
         }

@@ -75,6 +75,26 @@ fn scenes_refuse() {
 }
 
 #[test]
+fn balls_resist_rolling() {
+    let material = Material { mu_s: 0.5, mu_d: 0.5, ..Default::default() };
+    let mut scene = Scene::new([0.0, 0.0, -10.0]).unwrap();
+    scene.add(&SceneBody::fixed(Shape::halfspace(&UP, 0.0).unwrap(), material)).unwrap();
+    let mut ball = SceneBody::solid(Shape::sphere(0.5).unwrap(), 1.0, material).unwrap();
+    ball.state.position[2] = 0.5;
+    ball.state.velocity[0] = 1.0;
+    ball.state.angular_velocity[1] = 2.0;
+    ball.rolling = 0.02;
+    let id = scene.add(&ball).unwrap();
+    for _ in 0..100 {
+        scene.step(0.01, Default::default()).unwrap();
+    }
+    let left = 1.0 - 5.0 / 7.0 * 0.02 * 10.0 / 0.5;
+    assert!((scene.body(id).unwrap().velocity[0] - left).abs() < 1e-9);
+    ball.spinning = -1.0;
+    assert_eq!(scene.add(&ball), Err(Error::FRICTION));
+}
+
+#[test]
 fn saved_scenes_keep_their_shapes_and_go_on_to_the_bit() {
     let mut scene = Scene::new([0.0, 0.0, -9.81]).unwrap();
     let none = Material::default();
