@@ -445,7 +445,7 @@ docs:
 	    doxygen -
 
 CLANG_FORMAT ?= clang-format-16
-C_FILES = $(shell find include src fuzz tests bindings -name '*.[ch]' -not -path '*/vendor/*' \
+C_FILES = $(shell find include src fuzz tests bindings -name '*.[ch]' -not -path '*/build/*' \
             -not -path '*/node_modules/*')
 
 format:
