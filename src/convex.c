@@ -33,6 +33,7 @@
 enum {
     MPR_CALLS = 100,
     GJK_ROUNDS = 80,
+    STALE = 6, /* of these in a row */
     DESCENTS = 16,
     LONG_DESCENTS = 10,
     NEWTON_STEPS = 8,
@@ -44,7 +45,7 @@ enum {
 };
 
 #define SAME_WAY 0.99 /* cosine */
-#define CLEAR 1e-8    /* of the lesser radius: a shorter way between two points has noise */
+#define TOUCHING 1e-4 /* of the lesser radius: so little may be an overlap or a gap */
 #define SAME 1e-9     /* of the reach: by so much two supports may contradict each other */
 
 /* How w rises around a local minimum n where M is smooth, or smooth along a kink. */
@@ -70,6 +71,7 @@ typedef struct search {
     double rounding;  /* of a width */
     double normal[3]; /* direction of the least width seen */
     double width;
+    double nearest;     /* of what is known of M to the origin: no gap is more */
     basin lowest;       /* of the minima whose surroundings are known; width: infinite if none is */
     double last[2][3];  /* points of A and B, from their cores, of the latest support */
     double facet[3][3]; /* points of M where features meet */
@@ -79,6 +81,7 @@ typedef struct search {
     int patient;    /* many directions are nearly as good: each is worth more work */
     int flat;       /* M is a polytope */
     int stopped;    /* it has been */
+    int inside;     /* the origin is, and no direction is better */
     int fault;      /* a support is not finite or contradicts another */
 } search;
 
@@ -289,19 +292,12 @@ static void keep(simplex *x, int i, int j, int k, int count)
     x->count = count;
 }
 
-/* Nearest point of the segment a b to the origin, as the share of b. */
-static double on_segment(const double a[3], const double b[3])
-{
-    double d[3];
-    tribo_vec3_subtract(b, a, d);
-    const double along = 0.0 - tribo_vec3_dot(a, d);
-    const double size = tribo_vec3_dot(d, d);
-    return along <= 0.0 || size <= 0.0 ? 0.0 : along >= size ? 1.0 : along / size;
-}
-
+/* The nearest point of a simplex. Where that is an end or a side to rounding, what lies beyond it
+ * decides: the way to a vertex that is near has noise, the one square to an edge or face has none. */
 typedef struct nearest {
     double v[3];
     double square;
+    double noise; /* of a vertex */
     int vertex[3];
     int count;
 } nearest;
@@ -321,19 +317,20 @@ static void offer(nearest *best, const double v[3], int i, int j, int k, int cou
 
 static void offer_segment(nearest *best, double p[4][3], int i, int j)
 {
-    const double t = on_segment(p[i], p[j]);
     double d[3];
     double v[3];
     tribo_vec3_subtract(p[j], p[i], d);
-    tribo_vec3_add_scaled(p[i], t, d, v);
-    if (t > 0.0 && t < 1.0) { /* square to the segment, however near that is */
-        tribo_vec3_add_scaled(v, 0.0 - tribo_vec3_dot(v, d) / tribo_vec3_dot(d, d), d, v);
-    }
-    if (t <= 0.0) {
+    const double along = 0.0 - tribo_vec3_dot(p[i], d);
+    const double square = tribo_vec3_dot(d, d);
+    const double room = best->noise * sqrt(square);
+    if (along <= 0.0 - room || square <= room * best->noise) {
         offer(best, p[i], i, i, i, 1);
-    } else if (t >= 1.0) {
+    } else if (along >= square + room) {
         offer(best, p[j], j, j, j, 1);
     } else {
+        tribo_vec3_add_scaled(p[i], along / square, d, v);
+        /* square to the segment, however near that is */
+        tribo_vec3_add_scaled(v, 0.0 - tribo_vec3_dot(v, d) / square, d, v);
         offer(best, v, i, j, j, 2);
     }
 }
@@ -368,7 +365,8 @@ static void offer_triangle(nearest *best, double p[4][3], int i, int j, int k)
     int inside = area > 0.0;
     for (int c = 0; c < 3; c++) {
         tribo_vec3_cross(n, e[c], t); /* points inwards */
-        if (!(tribo_vec3_dot(t, p[at[c]]) <= 0.0)) {
+        const double out = tribo_vec3_dot(t, p[at[c]]);
+        if (!(out <= 0.0 || out * out <= best->noise * best->noise * tribo_vec3_dot(t, t))) {
             offer_segment(best, p, at[c], at[(c + 1) % 3]);
             inside = 0;
         }
@@ -409,10 +407,10 @@ static int offer_tetrahedron(nearest *best, double p[4][3])
 
 /* Nearest point of the simplex moved by -shift to the origin; keeps the vertices it needs.
  * Returns 0 if the origin lies inside. */
-static int reduce(simplex *x, const double shift[3], double v[3])
+static int reduce(simplex *x, const double shift[3], double noise, double v[3])
 {
     double p[4][3];
-    nearest best = {{0.0, 0.0, 0.0}, HUGE_VAL, {0, 0, 0}, 0};
+    nearest best = {{0.0, 0.0, 0.0}, HUGE_VAL, noise, {0, 0, 0}, 0};
     for (int i = 0; i < x->count; i++) {
         tribo_vec3_subtract(x->p[i], shift, p[i]);
     }
@@ -454,18 +452,19 @@ static int contradicts(const search *s, const simplex *x, const double n[3], dou
 }
 
 /* Probes directions towards the nearest point of M - shift until the distance is known to
- * rounding, or to a twentieth of what has been won over `start`, or no better for some rounds.
- * Returns 0 if M - shift holds the origin. */
+ * rounding, or to a twentieth of what has been won over `start`, or for some rounds neither the
+ * point comes nearer nor what is open halves. Returns 0 if M - shift holds the origin. */
 static int approach(search *s, simplex *x, const double shift[3], double start)
 {
     double shortest = HUGE_VAL;
     double open = HUGE_VAL;
+    int corners = 0;
     int stale = 0;
-    for (int round = 0; round < GJK_ROUNDS && stale < 3 && !s->fault && !apart(s); round++) {
+    for (int round = 0; round < GJK_ROUNDS && stale < STALE && !s->fault && !apart(s); round++) {
         double v[3];
         double n[3];
         double p[3];
-        if (!reduce(x, shift, v)) {
+        if (!reduce(x, shift, s->rounding, v)) {
             return 0;
         }
         const double away[3] = {0.0 - v[0], 0.0 - v[1], 0.0 - v[2]};
@@ -475,14 +474,19 @@ static int approach(search *s, simplex *x, const double shift[3], double start)
         const double width = support(s, n, p);
         const double gap = tribo_vec3_dot(shift, n) - width; /* lower bound of the distance */
         s->fault |= contradicts(s, x, n, width);
-        const double left = length(v) - gap;
+        const double size = length(v);
+        const double left = size - gap;
+        tribo_vec3_add(v, shift, v);
+        s->nearest = lesser(s->nearest, length(v));
         if (left <= greater(s->rounding, 0.05 * (gap - start)) || holds(x, p)) {
             break;
         }
-        const int better = length(v) < shortest - 64.0 * s->rounding || left < 0.5 * open;
+        const int better =
+            size < shortest - 64.0 * s->rounding || left < 0.5 * open || corners != x->count;
         stale = better ? 0 : stale + 1;
-        shortest = lesser(shortest, length(v));
-        open = lesser(open, left);
+        open = better ? left : open;
+        corners = x->count;
+        shortest = lesser(shortest, size);
         if (x->count < 4) {
             copy(p, x->p[x->count++]);
         }
@@ -588,6 +592,7 @@ static int newton(search *s)
     if (step != STEP_DONE) {
         return 0;
     }
+    s->nearest = lesser(s->nearest, length(at.p));
     basin found = {{0.0}, {{0.0}}, at.width, {at.bend[0], at.bend[1], at.bend[2]}, {0.0, 0.0}};
     copy(at.n, found.n);
     memcpy(found.across, at.across, sizeof found.across);
@@ -607,7 +612,7 @@ static int descend(search *s)
     for (int k = 0; !s->fault && !apart(s); k++) {
         const double width = s->width;
         const int outside =
-            width < 0.0 - CLEAR * s->small; /* the origin, of M: nothing has to move */
+            width < 0.0 - 64.0 * s->rounding; /* the origin, of M: nothing has to move */
         if (k >= DESCENTS && !outside) {
             break;
         }
@@ -1285,6 +1290,7 @@ static void begin(search *s, const pair_query *pair)
     s->reach = (outer[0] + outer[1]) * s->scale;
     s->rounding = 4.0 * TRIBO_EPS * s->reach;
     s->width = HUGE_VAL;
+    s->nearest = HUGE_VAL;
     memset(&s->lowest, 0, sizeof s->lowest);
     s->lowest.width = HUGE_VAL;
     s->patient = 0;
@@ -1292,6 +1298,7 @@ static void begin(search *s, const pair_query *pair)
     s->calls = 0;
     s->limit = 0;
     s->stopped = 0;
+    s->inside = 0;
     s->fault = 0;
 }
 
@@ -1439,20 +1446,27 @@ static void look_around(search *s, int kink)
     const int outcome = survey(s);
     s->stopped |= outcome == SURVEY_FAILED;
     const int outside = s->width < -64.0 * s->rounding; /* where facets bound nothing */
+    s->inside = outcome == SURVEY_EXACT && !outside;
     if (outside || (outcome != SURVEY_EXACT && (kink || s->width < before))) {
         settle(s);
     }
 }
 
-/* Bones that nearly touch: M comes so near to the origin that what was moved by much more says
- * little of it. */
-static void meet_bones(search *s)
+/* Bodies that are apart, or may be: what was moved by much more says little of a short way. */
+static void meet(search *s)
 {
     static const double none[3] = {0.0, 0.0, 0.0};
     simplex x;
     x.count = 1;
     (void)support(s, s->normal, x.p[0]);
     (void)approach(s, &x, none, HUGE_VAL);
+}
+
+/* Whether the bodies may be apart, or farther apart than the best direction says. */
+static int may_part(const search *s)
+{
+    return !s->inside && s->width < TOUCHING * s->small &&
+           s->nearest + s->width > 16.0 * s->rounding;
 }
 
 static void least_width(search *s)
@@ -1473,8 +1487,8 @@ static void least_width(search *s)
     if (width > 64.0 * s->rounding && !s->fault) {
         look_around(s, kink);
     }
-    if (s->radius > 0.0 && absolute(s->width) < 0.1 * s->inner && !s->fault && !apart(s)) {
-        meet_bones(s);
+    if (may_part(s) && !s->fault && !apart(s)) {
+        meet(s);
     }
     if (!s->fault && !apart(s) && (!kink || s->width < width)) {
         (void)snap(s);

@@ -90,8 +90,8 @@ typedef struct tribo_collide_info {
  *  more than 1e-9 of the depth, one in 2500 by more than 1e-6, up to some 4e-3.
  *
  *  A gap is told along the normal, so it is never more than the true one. Closed forms but boxes:
- *  exact to rounding. General: to 1e-9 of the smaller size, 1e-7 where bodies are a hundred times
- *  as long as thick; one pair in 60000 is missed by more than 1 % of a gap of 1e-7 of the size.
+ *  exact to rounding. General: to 2e-9 of the smaller size, and to 1 % of a gap of 1e-8 of that size
+ *  or more; to 1e-8 of it where bodies are a hundred times as long as thick.
  *  Two boxes in closed form part along a normal of a face or across two edges: where a corner is
  *  nearest to a corner or an edge, that gap is less than the true one, and only
  *  TRIBO_METHOD_GENERAL has the direction between the nearest points.

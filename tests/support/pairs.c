@@ -41,6 +41,8 @@ const pairs_class pairs_classes[] = {
     {"apart 1e-2", PAIRS_APART, -1e-2, 1.0, 3.0, 0.0},
     {"apart 1e-5", PAIRS_APART, -1e-5, 1.0, 3.0, 0.0},
     {"apart 1e-6", PAIRS_APART, -1e-6, 1.0, 3.0, 0.0},
+    {"apart 1e-7", PAIRS_APART, -1e-7, 1.0, 3.0, 0.0},
+    {"apart 1e-8", PAIRS_APART, -1e-8, 1.0, 3.0, 0.0},
 };
 
 const int pairs_class_count = (int)(sizeof pairs_classes / sizeof pairs_classes[0]);
