@@ -394,15 +394,21 @@ static double worse(double a, double b)
 static verdict judge_by_eta(const system_problem *problem, const goal *wanted, const double *r,
                             const double *u, double *scratch)
 {
-    verdict out = {0.0, 0.0};
+    verdict out = {0.0, 0.0, 0.0, 0.0};
+    double speed = 0.0;
+    double most = 0.0;
 
     for (size_t c = 0; c < problem->count; c++) {
         const double v = velocity_scale(problem, c, r, scratch);
         const measured m = measure_any(problem, c, v, r, u);
         const double eta = problem->mu[2 * c + 1] > 1.0 ? greater(m.eta, m.signorini) : m.eta;
+        speed = greater(speed, length3(problem->q + 3 * c));
+        most = greater(most, v);
+        out.eta = greater(out.eta, m.eta);
         out.distance = worse(out.distance, eta);
         out.residual = worse(out.residual, (eta + NOISE) * v);
     }
+    out.growth = speed > 0.0 ? most / speed : 0.0;
     out.distance /= wanted->tolerance;
     if (out.distance > 0.0)
         out.distance = greater(out.distance, out.residual / wanted->residual);
@@ -412,7 +418,7 @@ static verdict judge_by_eta(const system_problem *problem, const goal *wanted, c
 verdict certificate_judge(const system_problem *problem, const goal *wanted, const double *r,
                           const double *u, double *scratch)
 {
-    verdict out;
+    verdict out = {0.0, 0.0, 0.0, 0.0};
 
     if (problem->bodies != 0)
         sizes_of_bodies(problem, r, scratch);

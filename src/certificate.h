@@ -31,6 +31,8 @@ typedef struct verdict {
     double distance; /* the measure over the goal's bound: 1 or less is there */
     double residual; /* what the best are chosen by. Unlike eta it does not fall where impulses only
                         grow */
+    double eta;      /* greatest of a contact; measured as the goal is */
+    double growth;   /* as of certificate_growth; likewise */
 } verdict;
 
 /* 1 if `now` is worth taking other, perhaps far larger, impulses. */

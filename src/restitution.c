@@ -99,7 +99,7 @@ static double part_without_friction(restitution *st, solver *s, const system_pro
     bare.target = st->target;
     bare.mu = st->mu;
     bare.lengths = NULL;
-    const double distance = solver_solve(s, &bare, st->free_velocity, wanted, st->second);
+    const double distance = solver_solve(s, &bare, st->free_velocity, wanted, st->second).distance;
     for (size_t i = 0; i < 3 * n; i++)
         st->second[i] = st->first[i] + (i % 3 == 0 ? st->second[i] : 0.0);
     certificate_velocity(p, st->second, s->dv, st->u_second);
@@ -120,7 +120,7 @@ static double part_with_friction(restitution *st, solver *s, const system_proble
         st->second[i] = st->first[i];
     aimed.q = st->q;
     aimed.target = st->target;
-    const double distance = solver_solve(s, &aimed, free_velocity, wanted, st->second);
+    const double distance = solver_solve(s, &aimed, free_velocity, wanted, st->second).distance;
     certificate_velocity(p, st->second, s->dv, st->u_second);
     return distance;
 }
@@ -154,6 +154,7 @@ double restitution_apply(restitution *stage, solver *s, const system_problem *pr
     double distance = part_without_friction(stage, s, problem, free_velocity, e, wanted);
     if (is_wild(stage, s, problem, distance)) {
         s->stop = lasting(s->stop, stop);
+        s->is_current = 0;
         return 0.0;
     }
     double share = allowed(problem, stage->first, stage->u_first, stage->second, stage->u_second);
@@ -167,6 +168,7 @@ double restitution_apply(restitution *stage, solver *s, const system_problem *pr
         advance(problem, share, stage->first, stage->u_first, stage->second, stage->u_second);
     }
     s->stop = lasting(s->stop, stop);
+    s->is_current = 0;
     for (size_t i = 0; i < numbers; i++)
         r[i] = stage->first[i];
     return share;

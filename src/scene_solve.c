@@ -110,7 +110,11 @@ static void tell_quality(scene_run *run, const tribo_system_info *info)
     run->info.restitution = lesser(run->info.restitution, info->restitution);
 }
 
-/* `by`: what the problem asks of the solver; all else is filled in. */
+/* Bytes of an info that tells eta, and no other measure. */
+#define UP_TO_ETA ((uint32_t)offsetof(tribo_system_info, eta_rms))
+
+/* `by`: what the problem asks of the solver; all else is filled in. Of the info struct_size bytes
+ * are wanted. */
 static tribo_status solve(scene_run *run, size_t count, const tribo_body *bodies,
                           const tribo_system_options *by, tribo_system_info *info)
 {
@@ -119,9 +123,6 @@ static tribo_status solve(scene_run *run, size_t count, const tribo_body *bodies
     tribo_linear linear = {0};
     int has_linear = 0;
     size_t size = 0;
-    memset(info, 0, sizeof *info);
-    info->restitution = 1.0;
-    info->struct_size = o.warm_start != 0 ? offsetof(tribo_system_info, eta_rms) : sizeof *info;
     tribo_status status = find_linear(run, o.solver, &linear, &has_linear);
     o.struct_size = sizeof o;
     o.tasks = run->options.tasks;
@@ -323,7 +324,7 @@ static void take_impacts(scene_run *run, size_t rows)
 static tribo_status do_impacts(scene_run *run)
 {
     tribo_scene *s = run->scene;
-    tribo_system_info info;
+    tribo_system_info info = {.struct_size = sizeof info};
     const tribo_system_options by = asked(run, 0);
     scene_mark_islands(run, s->marks.data);
     push_marked(run);
@@ -585,7 +586,7 @@ static tribo_status hold_energy(scene_run *run, size_t rows)
 static tribo_status solve_held(scene_run *run)
 {
     tribo_scene *s = run->scene;
-    tribo_system_info info = {0};
+    tribo_system_info info = {.struct_size = UP_TO_ETA, .restitution = 1.0};
     tribo_status status = TRIBO_OK;
     size_t rows = 0;
     size_t more = 1;
@@ -695,7 +696,7 @@ static tribo_status still_bodies(scene_run *run)
 tribo_status scene_part_overlaps(scene_run *run, uint32_t *moved)
 {
     tribo_scene *s = run->scene;
-    tribo_system_info info;
+    tribo_system_info info = {.struct_size = UP_TO_ETA};
     const tribo_system_options by = {.solver = run->options.solver,
                                      .max_iterations = PARTING_ITERATIONS,
                                      .tolerance = PARTING_TOLERANCE};

@@ -40,8 +40,15 @@ static uint32_t halt(void *context)
 
 static verdict judge(solver *s, const system_problem *p, const goal *wanted, const double *r)
 {
+    s->is_current = 1;
     certificate_velocity(p, r, s->dv, s->u);
     return certificate_judge(p, wanted, r, s->u, s->v);
+}
+
+static double growth_of(solver *s, const system_problem *p, const goal *wanted, verdict last,
+                        const double *r)
+{
+    return wanted->measure == TRIBO_MEASURE_ETA ? last.growth : certificate_growth(p, r, s->v);
 }
 
 static void copy(size_t count, const double *from, double *to)
@@ -71,13 +78,16 @@ static int is_hopeless(double won, double distance, uint32_t batch, double hope)
 }
 
 /* Sweep until the goal is met, `most` sweeps are done, or - if `hope` is given - more than that
- * many would be missing at the rate seen. Keeps the best r; returns its distance. */
-static double sweep_until(solver *s, const system_problem *p, const double *free_velocity,
-                          const goal *wanted, uint64_t most, double hope, double *r, uint64_t *done)
+ * many would be missing at the rate seen. Keeps the best r, judged as `start` before; returns its
+ * verdict. s->dv is that of r. */
+static verdict sweep_until(solver *s, const system_problem *p, const double *free_velocity,
+                           const goal *wanted, uint64_t most, double hope, verdict start, double *r,
+                           uint64_t *done)
 {
     const tribo_system_options *o = s->options;
     sweep *sweeps = sweep_prepare(p, o->isa, s->sweep_memory);
-    verdict least = judge(s, p, wanted, r);
+    verdict least = start;
+    verdict here = start;
     uint32_t batch = o->warm_start != 0 ? WARM_SWEEPS : FIRST_SWEEPS;
     double before = least.distance;
 
@@ -87,8 +97,9 @@ static double sweep_until(solver *s, const system_problem *p, const double *free
         renew_velocities(s, p, free_velocity);
         sweep_run(sweeps, now, r, s->v, o->parallel, o->user, o->tasks);
         *done += now;
-        const verdict here = judge(s, p, wanted, r);
-        if (is_better(here, least)) {
+        here = judge(s, p, wanted, r);
+        s->is_current = is_better(here, least) ? 1 : 0;
+        if (s->is_current != 0) {
             least = here;
             copy(3 * (size_t)p->count, r, s->held);
         }
@@ -98,9 +109,9 @@ static double sweep_until(solver *s, const system_problem *p, const double *free
         before = here.distance;
         batch = batch < 1024 ? 2 * batch : batch;
     }
-    s->growth = certificate_growth(p, r, s->v);
+    s->growth = growth_of(s, p, wanted, here, r);
     copy(3 * (size_t)p->count, s->held, r);
-    return least.distance;
+    return least;
 }
 
 /* ---- one component, one coefficient per contact ---------------------------------------------- */
@@ -152,7 +163,9 @@ static double take_turns(solver *s, const system_problem *p, const double *free_
         const double due = price * (double)turn;
         const uint64_t left = s->most - *sweeps;
         const uint64_t most = *sweeps + (due < (double)left ? (uint64_t)due : left);
-        if (sweep_until(s, p, free_velocity, wanted, most, 0.0, swept, sweeps) <= 1.0) {
+        const verdict start = judge(s, p, wanted, swept);
+        if (sweep_until(s, p, free_velocity, wanted, most, 0.0, start, swept, sweeps).distance <=
+            1.0) {
             s->info->solver = TRIBO_SOLVER_GAUSS_SEIDEL;
             copy(3 * (size_t)p->count, swept, r);
             return 0.0;
@@ -161,8 +174,10 @@ static double take_turns(solver *s, const system_problem *p, const double *free_
     }
 }
 
-static void solve_fixed(solver *s, const system_problem *p, const double *free_velocity,
-                        const goal *wanted, double *r)
+/* start: of r, as it is judged by p. Returns the same of the new r; a distance of Newton's own comes
+ * with `is_judged` 0. */
+static verdict solve_fixed(solver *s, const system_problem *p, const double *free_velocity,
+                           const goal *wanted, verdict start, double *r, int *is_judged)
 {
     const size_t numbers = 3 * (size_t)p->count;
     const uint32_t asked = s->options->solver;
@@ -170,23 +185,26 @@ static void solve_fixed(solver *s, const system_problem *p, const double *free_v
     const uint32_t use_newton = asked != TRIBO_SOLVER_GAUSS_SEIDEL && can;
     const uint64_t done = s->run.steps;
     const double price = use_newton ? newton_price(s->newton, p, &s->run) : 0.0;
-    double distance = judge(s, p, wanted, r).distance;
+    verdict now = start;
     uint64_t sweeps = 0;
 
+    *is_judged = 1;
     s->run.most_steps = s->most > UINT64_MAX - done ? UINT64_MAX : done + s->most;
     copy(numbers, r, s->start_r);
-    if (distance > 1.0 && asked != TRIBO_SOLVER_NEWTON)
-        distance = sweep_until(s, p, free_velocity, wanted, s->most, price * FEW_STEPS, r, &sweeps);
-    if (distance > 1.0 && use_newton && halt(s) == 0) {
+    if (now.distance > 1.0 && asked != TRIBO_SOLVER_NEWTON)
+        now = sweep_until(s, p, free_velocity, wanted, s->most, price * FEW_STEPS, now, r, &sweeps);
+    if (now.distance > 1.0 && use_newton && halt(s) == 0) {
         copy(numbers, r, s->swept);
         /* Sweeps spoil the contacts of a stack at rest, which Newton finds at once from nothing. */
         copy(numbers, s->start_r, r);
-        distance = take_turns(s, p, free_velocity, wanted, price, r, s->swept, &sweeps);
+        now.distance = take_turns(s, p, free_velocity, wanted, price, r, s->swept, &sweeps);
+        *is_judged = 0;
     }
     if (sweeps > s->info->sweeps)
         s->info->sweeps = sweeps;
-    if (distance > 1.0)
+    if (now.distance > 1.0)
         note_stop(s, reason(s, use_newton && s->run.steps < s->run.most_steps));
+    return now;
 }
 
 /* ---- static and dynamic coefficients --------------------------------------------------------- */
@@ -227,16 +245,20 @@ static uint32_t release(solver *s, const system_problem *p, const goal *wanted, 
     return released;
 }
 
-/* mu_s for all, but mu_d where the start slides so. */
-static void choose_coefficients(solver *s, const system_problem *p, const goal *wanted,
-                                const double *r)
+/* mu_s for all, but mu_d where the start slides so. Returns 1 if mu_s is mu_d everywhere. */
+static int choose_coefficients(solver *s, const system_problem *p, const goal *wanted,
+                               const double *r)
 {
+    int is_same = 1;
+
     for (size_t c = 0; c < p->count; c++) {
         const double *mu = p->mu + 2 * c;
         const int dynamic =
             mu[0] > mu[1] && slides(p, c, mu[1], least_slip(wanted), r + 3 * c, s->u + 3 * c);
         s->mu[2 * c] = s->mu[2 * c + 1] = mu[dynamic];
+        is_same = is_same && mu[0] == mu[1];
     }
+    return is_same;
 }
 
 /* A contact alone has an answer without iteration. Where it jams, the frictionless impulse is what
@@ -258,36 +280,53 @@ static int solve_alone(solver *s, const system_problem *p, double r[3])
     return 1;
 }
 
-double solver_solve(solver *s, const system_problem *problem, const double *free_velocity,
-                    const goal *wanted, double *r)
+/* One round with the coefficients in force. Returns the verdict by the problem's own. */
+static verdict solve_round(solver *s, const system_problem *problem, const double *free_velocity,
+                           const goal *wanted, const verdict *known, double *r)
+{
+    system_problem held = *problem;
+    int is_judged = 0;
+
+    held.mu = s->mu;
+    const verdict start = known != NULL ? *known : judge(s, &held, wanted, r);
+    const verdict now = solve_fixed(s, &held, free_velocity, wanted, start, r, &is_judged);
+    return known != NULL && is_judged ? now : judge(s, problem, wanted, r);
+}
+
+verdict solver_solve(solver *s, const system_problem *problem, const double *free_velocity,
+                     const goal *wanted, double *r)
 {
     const size_t numbers = 3 * (size_t)problem->count;
-    system_problem held = *problem;
 
-    if (problem->count == 1 && solve_alone(s, problem, r))
-        return 0.0;
+    if (problem->count == 1 && solve_alone(s, problem, r)) {
+        verdict done = judge(s, problem, wanted, r);
+        done.distance = 0.0;
+        return done;
+    }
     verdict best = judge(s, problem, wanted, r);
     const uint32_t before = s->stop;
 
     if (best.distance <= 1.0)
-        return best.distance;
-    held.mu = s->mu;
+        return best;
     s->run.halt = halt;
     s->run.context = s;
-    choose_coefficients(s, problem, wanted, r);
+    const int is_same = choose_coefficients(s, problem, wanted, r);
+    int is_best = 0;
     copy(numbers, r, s->best);
     do {
-        solve_fixed(s, &held, free_velocity, wanted, r);
-        const verdict now = judge(s, problem, wanted, r);
-        if (is_better(now, best)) {
+        const verdict now =
+            solve_round(s, problem, free_velocity, wanted, is_same ? &best : NULL, r);
+        is_best = is_better(now, best);
+        if (is_best) {
             best = now;
             copy(numbers, r, s->best);
         }
     } while (s->status == TRIBO_OK && halt(s) == 0 && release(s, problem, wanted, r) > 0);
+    s->is_current = is_best && s->is_current != 0;
     copy(numbers, s->best, r);
     if (best.distance <= 1.0 && s->stop != TRIBO_STOP_TIME && s->stop != TRIBO_STOP_CANCEL)
         s->stop = before;
     else if (best.distance > 1.0)
         note_stop(s, TRIBO_STOP_ITERATIONS);
-    return best.distance;
+    return best;
 }

@@ -14,6 +14,7 @@ typedef struct solver {
     uint32_t stop;           /* TRIBO_STOP_...: the worst so far */
     tribo_status status;     /* of options->linear */
     double growth;           /* of the last impulses: see certificate_growth */
+    int is_current;          /* dv and u are those of the r that solver_solve gave back */
     newton_run run;
 
     newton *newton; /* null: not asked for */
@@ -27,8 +28,9 @@ typedef struct solver {
 double solver_now(const tribo_system_options *options);
 
 /* Improve r, 3 per contact, until the goal is met or nothing helps. free_velocity: 6 per body, v
- * without impulses (null in the assembled form). Returns the distance from the goal. */
-double solver_solve(solver *s, const system_problem *problem, const double *free_velocity,
-                    const goal *wanted, double *r);
+ * without impulses (null in the assembled form). Returns how good r is; a contact that was solved
+ * alone has no distance from the goal. */
+verdict solver_solve(solver *s, const system_problem *problem, const double *free_velocity,
+                     const goal *wanted, double *r);
 
 #endif

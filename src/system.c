@@ -97,6 +97,7 @@ typedef struct plan {
     uint32_t torques;
     uint32_t assembled; /* the form: 1 has no bodies */
     uint32_t told;      /* bytes of the info that somebody reads */
+    uint32_t is_brief;  /* 1: of the measures eta alone, which the solvers' verdicts tell */
     size_t links;       /* blocks of W, or twice the contacts */
 
     uint32_t *parent; /* union-find; later: component of a body or contact */
@@ -612,11 +613,59 @@ static int separates(const system_problem *problem)
     return 1;
 }
 
+/* Of a component keep what its verdict tells, and what its bodies gain. */
+static void note_verdict(plan *p, const system_problem *problem, verdict reached, const double *r)
+{
+    p->solver.info->eta = greater(p->solver.info->eta, reached.eta);
+    if (p->solver.is_current == 0)
+        certificate_velocity(problem, r, p->solver.dv, p->solver.u);
+}
+
+static verdict judge_open(plan *p, const system_problem *problem, const goal *wanted,
+                          const double *r)
+{
+    certificate_velocity(problem, r, p->solver.dv, p->solver.u);
+    p->solver.is_current = 1;
+    return certificate_judge(problem, wanted, r, p->solver.u, p->solver.v);
+}
+
+static void solve_contacts(plan *p, uint32_t component, const system_problem *problem,
+                           const goal *whole)
+{
+    const size_t first = p->starts[component];
+    const size_t size = 3 * (size_t)problem->count * sizeof *p->r;
+    double *r = p->r + 3 * first;
+    goal wanted = *whole;
+    verdict reached;
+
+    wanted.residual = RESIDUAL_SHARE * greatest_speed(problem);
+    wanted.limit *= sqrt((double)problem->count / (double)p->count);
+    if (separates(problem)) {
+        memset(r, 0, size);
+        memset(p->plastic + 3 * first, 0, size);
+        if (p->is_brief != 0) {
+            reached = judge_open(p, problem, &wanted, r);
+            note_verdict(p, problem, reached, r);
+        }
+        return;
+    }
+    const double *velocity =
+        p->assembled == 0 ? p->free_velocity + 6 * (size_t)p->body_starts[component] : NULL;
+    reached = solver_solve(&p->solver, problem, velocity, &wanted, r);
+    memcpy(p->plastic + 3 * first, r, size);
+    if (p->assembled == 0) {
+        const double share = restitution_apply(&p->stage, &p->solver, problem, velocity,
+                                               p->restitution + first, &wanted, r);
+        p->solver.info->restitution = lesser(p->solver.info->restitution, share);
+    }
+    if (p->is_brief != 0)
+        note_verdict(p, problem, reached, r);
+}
+
 static void solve_component(plan *p, uint32_t component, const goal *whole)
 {
     const size_t first = p->starts[component];
-    double *r = p->r + 3 * first;
-    goal wanted = *whole;
+    double *dv = p->solver.dv;
 
     if (p->assembled != 0) {
         const uint32_t count = p->starts[component + 1] - p->starts[component];
@@ -624,24 +673,13 @@ static void solve_component(plan *p, uint32_t component, const goal *whole)
             p->local_starts[i] = p->row_starts[first + i] - p->row_starts[first];
     }
     const system_problem problem = component_problem(p, component);
-    if (problem.count == 0)
-        return;
-    if (separates(&problem)) {
-        for (size_t i = 0; i < 3 * (size_t)problem.count; i++)
-            r[i] = p->plastic[3 * first + i] = 0.0;
-        return;
+    if (p->is_brief != 0) {
+        p->solver.dv += 6 * (size_t)p->body_starts[component];
+        memset(p->solver.dv, 0, 6 * (size_t)problem.bodies * sizeof *dv);
     }
-    wanted.residual = RESIDUAL_SHARE * greatest_speed(&problem);
-    wanted.limit *= sqrt((double)problem.count / (double)p->count);
-    const double *velocity =
-        p->assembled == 0 ? p->free_velocity + 6 * (size_t)p->body_starts[component] : NULL;
-    solver_solve(&p->solver, &problem, velocity, &wanted, r);
-    memcpy(p->plastic + 3 * first, r, 3 * (size_t)problem.count * sizeof *r);
-    if (p->assembled == 0) {
-        const double share = restitution_apply(&p->stage, &p->solver, &problem, velocity,
-                                               p->restitution + first, &wanted, r);
-        p->solver.info->restitution = lesser(p->solver.info->restitution, share);
-    }
+    if (problem.count > 0)
+        solve_contacts(p, component, &problem, whole);
+    p->solver.dv = dv;
 }
 
 static void solve_all(plan *p, const tribo_system_options *o, const double *start,
@@ -686,6 +724,8 @@ static int certify(plan *p, tribo_system_info *info)
     const system_problem problem = whole_problem(p);
     const size_t size = 3 * (size_t)p->count * sizeof *p->r;
 
+    if (p->is_brief != 0)
+        return all_finite(&info->eta, 1);
     certificate_velocity(&problem, p->plastic, p->solver.dv, p->solver.u);
     certificate_write(&problem, p->plastic, p->solver.u, p->solver.v, info);
     if (is_told(p, offsetof(tribo_system_info, invariant)))
@@ -911,6 +951,8 @@ tribo_status tribo_system_solve(size_t body_count, const tribo_body *bodies, siz
         return status;
     plan_bodies(&p, &places, body_count, count, contacts, &o, &needed);
     p.told = told_size(info);
+    p.is_brief =
+        !is_told(&p, offsetof(tribo_system_info, eta_rms)) && o.measure == TRIBO_MEASURE_ETA;
     status = solve_bodies(&p, &o, bodies, contacts, impulses, velocities, &whole);
     whole.bytes = needed;
     if (status == TRIBO_OK)

@@ -1910,6 +1910,51 @@ static void test_older_structs(void **state)
     systems_free(&scene);
 }
 
+/* Who asks for eta alone is told the same, and given the same velocities, as who asks for all. */
+static void expect_brief(const systems_scene *scene, const tribo_system_options *options)
+{
+    const uint32_t bytes = offsetof(tribo_system_info, eta_rms);
+    solution want;
+    tribo_system_info info = {.struct_size = bytes};
+    solve_only(scene, options, NULL, &want);
+    assert_int_equal(want.status, TRIBO_OK);
+    void *memory = allocate(want.workspace);
+    double *impulses = allocate(3 * scene->count * sizeof *impulses);
+    double *velocities = allocate(6 * scene->body_count * sizeof *velocities);
+    memset(velocities, 0xa5, 6 * scene->body_count * sizeof *velocities);
+    assert_int_equal(tribo_system_solve(scene->body_count, scene->bodies, scene->count,
+                                        scene->contacts, options, memory, want.workspace, impulses,
+                                        velocities, &info),
+                     TRIBO_OK);
+    want.info.struct_size = bytes;
+    assert_memory_equal(&info, &want.info, bytes);
+    assert_true(same(impulses, want.impulses, 3 * scene->count));
+    assert_true(same(velocities, want.velocities, 6 * scene->body_count));
+    free(memory);
+    free(impulses);
+    free(velocities);
+    release(&want);
+}
+
+static void test_eta_alone(void **state)
+{
+    (void)state;
+    for (uint64_t i = 0; i < 600; i++) {
+        const uint32_t sweeps[] = {1, 4, 13, 60, 0};
+        const tribo_system_options options = {.struct_size = sizeof options,
+                                              .max_iterations = sweeps[i % 5],
+                                              .solver = (uint32_t)(i / 5 % 3),
+                                              .measure = i % 7 == 0 ? TRIBO_MEASURE_INVARIANT
+                                                                    : TRIBO_MEASURE_ETA,
+                                              .tolerance = i % 2 == 0 ? 1e-3 : 1e-10};
+        systems_scene scene;
+        /* Few contacts for many bodies: several components, some of them of one contact or none. */
+        systems_random(&scene, 8, 1 + i % 9, (uint32_t)(i * 37) & SYSTEMS_ALL, i);
+        expect_brief(&scene, &options);
+        systems_free(&scene);
+    }
+}
+
 static void test_apply(void **state)
 {
     systems_scene scene;
@@ -1976,6 +2021,7 @@ int main(void)
         TEST(test_bad_sizes),
         TEST(test_bad_assembled),
         TEST(test_older_structs),
+        TEST(test_eta_alone),
         TEST(test_apply),
     };
     return cmocka_run_group_tests_name("system", tests, NULL, NULL);
