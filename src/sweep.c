@@ -19,6 +19,11 @@ typedef struct colour {
     uint32_t first_three, threes, first_one, ones;
 } colour;
 
+/* The inverse inertia of a body is unit L L^T; rows of L. */
+typedef struct factor {
+    double l[6], unit, unused;
+} factor;
+
 /* A contact of the assembled form. W_cc is scaled as in sweep_three; inverse_a = 0: not for the
  * fast path. */
 typedef struct assembled {
@@ -40,6 +45,7 @@ struct sweep {
     const sweep_table *table; /* null: one contact after the other */
     /* Bodies form */
     sweep_body *bodies;
+    factor *factors; /* of the inverse inertia of each body */
     colour *colours;
     uint32_t *colour_of; /* of each contact; COLOURS: none */
     sweep_three *threes;
@@ -78,8 +84,9 @@ size_t sweep_size(uint32_t count, uint32_t bodies, uint32_t torques)
         return head + round_up(count * sizeof(assembled));
     }
     return head + round_up(((size_t)bodies + 1) * sizeof(sweep_body)) +
-           round_up(COLOURS * sizeof(colour)) + round_up(count * sizeof(uint32_t)) +
-           block_limit(count) * sizeof(sweep_three) + round_up(torques * sizeof(sweep_six));
+           round_up(bodies * sizeof(factor)) + round_up(COLOURS * sizeof(colour)) +
+           round_up(count * sizeof(uint32_t)) + block_limit(count) * sizeof(sweep_three) +
+           round_up(torques * sizeof(sweep_six));
 }
 
 static void *take(unsigned char **at, size_t bytes)
@@ -221,26 +228,26 @@ static double unit_of(const double m[6])
     return 1.0 / power_of_two(scale_exponent(greater(greater(m[0], m[3]), m[5])));
 }
 
-/* L of a body: its inverse inertia is unit L L^T. */
-static void factor_body(const system_problem *problem, uint32_t body, double l[6])
+static void factor_body(const system_problem *problem, uint32_t body, factor *out)
 {
     const double *m = problem->inverse_inertia + 6 * (size_t)body;
-    const double inverse = 1.0 / unit_of(m);
+    const double unit = unit_of(m);
+    const double inverse = 1.0 / unit;
     const double scaled[6] = {inverse * m[0], inverse * m[1], inverse * m[2],
                               inverse * m[3], inverse * m[4], inverse * m[5]};
-    factor_inertia(scaled, l);
+    factor_inertia(scaled, out->l);
+    out->unit = unit;
+    out->unused = 0.0;
 }
 
 /* T L of the body at one end, row by row; 0 for the world. */
-static void turn_end(const system_problem *problem, uint32_t body, const double *turn,
-                     double out[9])
+static void turn_end(const factor *factors, uint32_t body, const double *turn, double out[9])
 {
-    double l[6];
     if (body == TRIBO_WORLD) {
         memset(out, 0, 9 * sizeof *out);
         return;
     }
-    factor_body(problem, body, l);
+    const double *l = factors[body].l;
     for (int k = 0; k < 3; k++) {
         const double *t = turn + 3 * k;
         out[3 * k] = t[0] * l[0] + t[1] * l[1] + t[2] * l[3];
@@ -335,12 +342,13 @@ static void fill_matrix(const system_problem *problem, uint32_t c, uint32_t i, s
     g->inverse_a[i] = sound ? schur.inverse_a : 0.0;
 }
 
-static void fill_three(const system_problem *problem, uint32_t c, uint32_t i, sweep_three *g)
+static void fill_three(const sweep *s, uint32_t c, uint32_t i, sweep_three *g)
 {
+    const system_problem *problem = &s->problem;
     const uint32_t *pair = problem->pairs + 2 * (size_t)c;
     double turn[2][9];
-    turn_end(problem, pair[0], problem->turns + 18 * (size_t)c, turn[0]);
-    turn_end(problem, pair[1], problem->turns + 18 * (size_t)c + 9, turn[1]);
+    turn_end(s->factors, pair[0], problem->turns + 18 * (size_t)c, turn[0]);
+    turn_end(s->factors, pair[1], problem->turns + 18 * (size_t)c + 9, turn[1]);
     for (int k = 0; k < 9; k++) {
         g->frame[k][i] = problem->frames[9 * (size_t)c + (size_t)k];
         g->turn_a[k][i] = turn[0][k];
@@ -353,12 +361,13 @@ static void fill_three(const system_problem *problem, uint32_t c, uint32_t i, sw
     fill_matrix(problem, c, i, g);
 }
 
-static void fill_one(const system_problem *problem, uint32_t c, uint32_t i, sweep_one *g)
+static void fill_one(const sweep *s, uint32_t c, uint32_t i, sweep_one *g)
 {
+    const system_problem *problem = &s->problem;
     const uint32_t *pair = problem->pairs + 2 * (size_t)c;
     double turn[2][9];
-    turn_end(problem, pair[0], problem->turns + 18 * (size_t)c, turn[0]);
-    turn_end(problem, pair[1], problem->turns + 18 * (size_t)c + 9, turn[1]);
+    turn_end(s->factors, pair[0], problem->turns + 18 * (size_t)c, turn[0]);
+    turn_end(s->factors, pair[1], problem->turns + 18 * (size_t)c + 9, turn[1]);
     for (int k = 0; k < 3; k++) {
         g->normal[k][i] = problem->frames[9 * (size_t)c + (size_t)k];
         g->turn_a[k][i] = turn[0][k];
@@ -400,9 +409,9 @@ static void fill_blocks(sweep *s)
             lane = rest[one]++;
         }
         if (one) {
-            fill_one(problem, c, lane % LANES, s->ones + lane / LANES);
+            fill_one(s, c, lane % LANES, s->ones + lane / LANES);
         } else {
-            fill_three(problem, c, lane % LANES, s->threes + lane / LANES);
+            fill_three(s, c, lane % LANES, s->threes + lane / LANES);
         }
     }
     for (uint32_t k = 0; k < s->three_count; k++) {
@@ -414,10 +423,11 @@ static void fill_blocks(sweep *s)
 }
 
 /* Rows of contact c at one end. */
-static void fill_rows(const system_problem *problem, size_t c, size_t end, double rows[18])
+static void fill_rows(const sweep *s, size_t c, size_t end, double rows[18])
 {
+    const system_problem *problem = &s->problem;
     double turn[9];
-    turn_end(problem, problem->pairs[2 * c + end], problem->turns + 18 * c + 9 * end, turn);
+    turn_end(s->factors, problem->pairs[2 * c + end], problem->turns + 18 * c + 9 * end, turn);
     for (size_t k = 0; k < 3; k++) {
         for (size_t i = 0; i < 3; i++) {
             rows[6 * k + i] = problem->frames[9 * c + 3 * k + i];
@@ -439,8 +449,8 @@ static void fill_sixes(sweep *s)
         for (size_t end = 0; end < 2; end++) {
             const uint32_t body = problem->pairs[2 * (size_t)c + end];
             g->ends[end] = body == TRIBO_WORLD ? problem->bodies : body;
-            fill_rows(problem, c, end, g->of_ends[end]);
-            fill_rows(problem, (size_t)c + 1, end, g->of_ends[end] + 18);
+            fill_rows(s, c, end, g->of_ends[end]);
+            fill_rows(s, (size_t)c + 1, end, g->of_ends[end] + 18);
         }
         memcpy(g->q, problem->q + 3 * (size_t)c, sizeof g->q);
         resist_fill(problem, c, 0.0, &g->block);
@@ -454,7 +464,7 @@ static void clear_bodies(sweep *s)
         s->bodies[k] = still;
         if (k < s->problem.bodies) {
             s->bodies[k].inverse_mass = s->problem.inverse_mass[k];
-            s->bodies[k].unit = unit_of(s->problem.inverse_inertia + 6 * (size_t)k);
+            s->bodies[k].unit = s->factors[k].unit;
         }
     }
 }
@@ -863,9 +873,8 @@ static void shift_velocities(const sweep *s, double sign, double *v)
 {
     for (uint32_t k = 0; k < s->problem.bodies; k++) {
         const sweep_body *x = s->bodies + k;
-        double l[6];
+        const double *l = s->factors[k].l;
         double *own = v + 6 * (size_t)k;
-        factor_body(&s->problem, k, l);
         for (int i = 0; i < 3; i++) {
             own[i] += sign * x->v[i];
         }
@@ -1122,6 +1131,10 @@ sweep *sweep_prepare(const system_problem *problem, uint32_t isa, void *memory)
     }
     s->table = table_of(isa);
     s->bodies = take(&at, ((size_t)problem->bodies + 1) * sizeof *s->bodies);
+    s->factors = take(&at, problem->bodies * sizeof *s->factors);
+    for (uint32_t k = 0; k < problem->bodies; k++) {
+        factor_body(problem, k, s->factors + k);
+    }
     s->colours = take(&at, COLOURS * sizeof *s->colours);
     s->colour_of = take(&at, problem->count * sizeof *s->colour_of);
     find_colours(s);
