@@ -112,13 +112,13 @@ void tribo_scene_destroy(tribo_scene *scene)
     if (!scene) {
         return;
     }
-    scene_buffer *all[] = {&scene->slots,      &scene->bodies,      &scene->tree_block,
-                           &scene->kept_slots, &scene->kept_bodies, &scene->kicks,
-                           &scene->pushed,     &scene->reaches,     &scene->firsts,
-                           &scene->pairs,      &scene->manifolds,   &scene->parents,
-                           &scene->marks,      &scene->traces,      &scene->rows,
-                           &scene->picks,      &scene->impulses,    &scene->torques,
-                           &scene->velocities, &scene->still,       &scene->workspace};
+    scene_buffer *all[] = {
+        &scene->slots,       &scene->bodies,  &scene->tree_block, &scene->kept_slots,
+        &scene->kept_bodies, &scene->kicks,   &scene->pushed,     &scene->reaches,
+        &scene->firsts,      &scene->pairs,   &scene->manifolds,  &scene->parents,
+        &scene->marks,       &scene->traces,  &scene->rows,       &scene->picks,
+        &scene->impulses,    &scene->torques, &scene->velocities, &scene->still,
+        &scene->workspace,   &scene->loads,   &scene->carriers};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
         scene_release(scene, all[i]);
     }

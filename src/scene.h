@@ -5,6 +5,7 @@
  *   scene_step.c     the stages of a step in their order
  *   scene_contact.c  which bodies touch, and where: broad phase, manifolds, warm starts
  *   scene_solve.c    problems for tribo_system_solve: impacts, contacts, moving apart
+ *   scene_weight.c   impulses that contacts of bodies at rest start from
  *   scene_rest.c     islands, sleep
  *   scene_event.c    what begins, persists and ends */
 #ifndef TRIBO_SCENE_PRIVATE_H
@@ -66,6 +67,7 @@ struct tribo_scene {
     scene_buffer kept_slots, kept_bodies;
     scene_buffer kicks, pushed, reaches, firsts, pairs, manifolds, parents, marks;
     scene_buffer traces, rows, picks, impulses, torques, velocities, still, workspace;
+    scene_buffer loads, carriers;
 };
 
 /* What is known of a contact point within one sub-step. */
@@ -155,6 +157,9 @@ tribo_status scene_solve_impacts(scene_run *run);
 tribo_status scene_solve_contacts(scene_run *run);
 tribo_status scene_part_overlaps(scene_run *run, uint32_t *moved);
 void scene_move_apart(scene_run *run);
+
+/* scene_weight.c */
+tribo_status scene_carry_weight(scene_run *run);
 
 /* scene_rest.c */
 tribo_status scene_join_islands(scene_run *run);

@@ -501,7 +501,14 @@ static void count_contacts(scene_run *run, size_t rows)
     for (size_t i = 0; i < rows; i++) {
         run->info.frictionless += row[i].dimension == 1;
         run->info.resisting += row[i].rolling > 0.0 || row[i].spinning > 0.0;
-        run->info.matched += trace_at(run, pick_at(run, i))->start[0] > 0.0;
+    }
+}
+
+static void count_matched(scene_run *run)
+{
+    const size_t count = run->scene->points[run->points_to].count;
+    for (size_t i = 0; i < count; i++) {
+        run->info.matched += trace_at(run, i)->is_held != 0 && trace_at(run, i)->start[0] > 0.0;
     }
 }
 
@@ -630,7 +637,9 @@ tribo_status scene_solve_contacts(scene_run *run)
     prepare_starts(run);
     hold_near(run);
     hold_more(run);
-    return solve_held(run);
+    count_matched(run);
+    status = scene_carry_weight(run);
+    return status == TRIBO_OK ? solve_held(run) : status;
 }
 
 /* ---- moving apart what overlaps -------------------------------------------------------------- */

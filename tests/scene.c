@@ -447,6 +447,77 @@ static void test_warm_start(void **state)
     tribo_scene_destroy(b.scene);
 }
 
+/* Bricks in rows, each on two, and a heavy one on top; a ball between two that do not move. */
+static tribo_scene *make_triangle(void)
+{
+    enum { ROWS = 8 };
+    tribo_scene *scene = make_scene(0.0, -G, 0);
+    tribo_scene_body ball = sphere_of(2.0, 0.5, 0.6, 0.0);
+    add_floor(scene, 0.5, 0.0);
+    for (int row = 0; row < ROWS; row++) {
+        tribo_scene_body brick = box_of(row + 1 < ROWS ? 1.0 : 1000.0, 0.5, 0.25, 0.1, 0.5, 0.0);
+        for (int i = 0; i < ROWS - row; i++) {
+            add_at(scene, &brick, 1.1 * (i + 0.5 * row), 0.0, 0.1 + 0.2 * row);
+        }
+    }
+    add_at(scene, &ball, 0.5, 5.0, 0.5 + 0.8660254037844386);
+    ball.kind = TRIBO_BODY_STATIC;
+    ball.state.inverse_mass = 0.0;
+    memset(ball.state.inverse_inertia, 0, sizeof ball.state.inverse_inertia);
+    add_at(scene, &ball, 0.0, 5.0, 0.5);
+    add_at(scene, &ball, 1.0, 5.0, 0.5);
+    return scene;
+}
+
+/* A plank on three posts with a weight above the third: evenly shared, the first would pull. */
+static tribo_scene *make_plank(void)
+{
+    tribo_scene *scene = make_scene(0.0, -G, 0);
+    tribo_scene_body post = box_of(1.0, 0.1, 0.1, 0.5, 0.5, 0.0);
+    tribo_scene_body plank = box_of(1.0, 2.5, 0.1, 0.1, 0.5, 0.0);
+    tribo_scene_body weight = box_of(100.0, 0.1, 0.1, 0.1, 0.5, 0.0);
+    add_floor(scene, 0.5, 0.0);
+    for (int i = -1; i <= 1; i++) {
+        add_at(scene, &post, 2.0 * i, 0.0, 0.5);
+    }
+    add_at(scene, &plank, 0.0, 0.0, 1.1);
+    add_at(scene, &weight, 2.0, 0.0, 1.3);
+    return scene;
+}
+
+/* Two boxes on a slope. */
+static tribo_scene *make_leaning(void)
+{
+    tribo_scene *scene = make_scene(0.5 * G, -0.8660254037844386 * G, 0);
+    tribo_scene_body box = box_of(1.0, 0.5, 0.5, 0.2, 0.7, 0.0);
+    add_floor(scene, 0.7, 0.0);
+    add_at(scene, &box, 0.0, 0.0, 0.2);
+    add_at(scene, &box, 0.1, 0.0, 0.6);
+    return scene;
+}
+
+/* What bodies at rest have to carry is known before any solver runs, for each of them. */
+static void test_rest_needs_no_solver(void **state)
+{
+    static tribo_scene *(*const make[3])(void) = {make_triangle, make_plank, make_leaning};
+    (void)state;
+    for (int i = 0; i < 6; i++) {
+        tribo_step_options options = {.struct_size = sizeof options};
+        options.solver = i % 2 == 0 ? TRIBO_SOLVER_AUTO : TRIBO_SOLVER_GAUSS_SEIDEL;
+        tribo_scene *scene = make[i / 2]();
+        tribo_step_info info = run(scene, 0.01, 1, &options);
+        assert_int_equal(info.stop, TRIBO_STOP_TOLERANCE);
+        assert_int_equal(info.sweeps + info.newton_steps, 0);
+        assert_int_equal(info.matched, 0);
+        tribo_scene_destroy(scene);
+        options.skip = TRIBO_SKIP_WARM_START;
+        scene = make[i / 2]();
+        info = run(scene, 0.01, 1, &options);
+        assert_true(info.sweeps + info.newton_steps > 0);
+        tribo_scene_destroy(scene);
+    }
+}
+
 /* ---- events ---------------------------------------------------------------------------------- */
 
 static void test_events(void **state)
@@ -828,6 +899,7 @@ int main(void)
         TEST(test_overlap_goes_without_speed),
         TEST(test_stages_that_are_not_needed),
         TEST(test_warm_start),
+        TEST(test_rest_needs_no_solver),
         TEST(test_events),
         TEST(test_contacts),
         TEST(test_saved_state_goes_on_to_the_bit),
