@@ -17,15 +17,10 @@
 
 #include <tribo/sparse.h>
 
-#include <errno.h>
 #include <math.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <sys/time.h>
-#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -40,6 +35,7 @@
 
 #include "../../src/cli/problem.h"
 #include "../support/systems.h"
+#include "limit.h"
 
 enum { CONTACTS_ABOVE = 20, PROBLEMS = 64, NAME = 64, GOALS = 2, REPETITIONS = 50, SLIDING = 2 };
 
@@ -338,24 +334,25 @@ typedef struct shared {
     volatile int done;
 } shared;
 
-/* SIGPROF ends the process after so many seconds of the processor. */
-static void set_limit(double seconds)
-{
-    struct itimerval timer = {{0, 0}, {0, 0}};
-    timer.it_value.tv_sec = (time_t)seconds;
-    timer.it_value.tv_usec = (suseconds_t)(1e6 * (seconds - floor(seconds)));
-    setitimer(ITIMER_PROF, &timer, NULL);
-}
+/* What is asked of a process. */
+typedef struct attempt {
+    const method *method;
+    const task *given;
+    double tolerance, limit;
+    shared *found;
+} attempt;
 
-static void repeat(const method *m, const task *given, double tolerance, double limit,
-                   shared *found)
+static void repeat(void *user)
 {
+    const attempt *asked = user;
+    const task *given = asked->given;
+    shared *found = asked->found;
     double *r = allocate(3 * given->assembled.count, sizeof *r);
     const double start = now(NULL);
     for (int i = 0; i < REPETITIONS && (i == 0 || now(NULL) - start < repeat_seconds); i++) {
         memset(r, 0, 3 * given->assembled.count * sizeof *r);
-        set_limit(limit);
-        const double seconds = m->solve(given, tolerance, r);
+        limit_set(asked->limit);
+        const double seconds = asked->method->solve(given, asked->tolerance, r);
         found->seconds = i == 0 || seconds < found->seconds ? seconds : found->seconds;
         found->error = error_of(&given->assembled, r);
         found->done = 1;
@@ -366,30 +363,14 @@ static void repeat(const method *m, const task *given, double tolerance, double 
 static outcome measure(const method *m, const task *given, double tolerance, double limit)
 {
     outcome out = none;
-    int status = 0;
-    shared *found =
-        mmap(NULL, sizeof *found, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    if (found == MAP_FAILED) {
-        perror("mmap");
-        exit(1);
-    }
-    fflush(stdout);
-    const pid_t child = fork();
-    if (child == 0) {
-        /* Siconos tells of its troubles at length, and leaves by exit or abort. */
-        if (freopen("/dev/null", "w", stdout) && freopen("/dev/null", "w", stderr)) {
-            repeat(m, given, tolerance, limit, found);
-        }
-        _exit(0);
-    }
-    while (child > 0 && waitpid(child, &status, 0) < 0 && errno == EINTR) {
-        continue;
-    }
+    shared *found = limit_share(sizeof *found);
+    attempt asked = {m, given, tolerance, limit, found};
+    const int end = limit_run(repeat, &asked);
     if (found->done) {
         out.seconds = found->seconds;
         out.error = found->error;
     }
-    out.stopped = !found->done && WIFSIGNALED(status) && WTERMSIG(status) == SIGPROF;
+    out.stopped = !found->done && end == LIMIT_STOPPED;
     munmap(found, sizeof *found);
     return out;
 }
@@ -755,20 +736,6 @@ static void summarise(const char *program, const series *of, double limit)
     }
 }
 
-/* OpenMP and the BLAS read these when they are loaded. Returns 1 if they had to be set. */
-static int set_one_thread(void)
-{
-    static const char *const names[] = {"OMP_THREAD_LIMIT", "OPENBLAS_NUM_THREADS"};
-    int changed = 0;
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        const char *value = getenv(names[i]);
-        if (!value || strcmp(value, "1") != 0) {
-            changed |= setenv(names[i], "1", 1) == 0;
-        }
-    }
-    return changed;
-}
-
 static double limit_of(const char *argument)
 {
     const char *text = argument ? argument : getenv("TRIBO_BENCH_SECONDS");
@@ -785,9 +752,7 @@ int main(int argc, char **argv)
     const char *data = getenv("TRIBO_DATA");
     const double limit = limit_of(argc > 1 ? argv[1] : NULL);
     int failed = 0;
-    if (set_one_thread()) {
-        execv(argv[0], argv);
-    }
+    limit_threads(argv);
     if ((int)METHODS == (int)SICONOS_FIRST) {
         puts("siconos: its solvers are skipped, they were not there when this was built");
     }
