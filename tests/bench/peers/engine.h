@@ -36,6 +36,17 @@ typedef struct engine_state {
     double angular_velocity[3]; /* world axes */
 } engine_state;
 
+/* A contact point of a step, of bodies by their numbers. The normal points from b to a, the impulse
+ * acts on a; both, and the arms from the centres of the bodies, in world axes, as the engine had
+ * them when it solved the step. */
+typedef struct engine_contact {
+    int a, b;
+    double normal[3];
+    double arm_a[3], arm_b[3];
+    double gap;        /* m; negative: overlap */
+    double impulse[3]; /* N s */
+} engine_contact;
+
 /* One library with one setting. */
 typedef struct engine {
     const char *name;
@@ -43,8 +54,11 @@ typedef struct engine {
     int choice;                                           /* handed to make: which setting */
     int single;                                           /* it calculates in single precision */
     void *(*make)(const engine_scene *scene, int choice); /* null: it can not */
-    void (*step)(void *world);
+    void (*step)(void *world, int watched); /* watched: contacts will be asked for after it */
     void (*state)(void *world, int body, engine_state *out);
+    /* Contacts of the last step, which was watched; returns their number, also if there is less
+     * room. Null: the engine does not tell impulses of points. */
+    int (*contacts)(void *world, int room, engine_contact *out);
     void (*drop)(void *world);
 } engine;
 

@@ -29,6 +29,8 @@ struct bullet_world {
     std::unique_ptr<btDiscreteDynamicsWorld> world;
     std::vector<std::unique_ptr<btCollisionShape>> shapes;
     std::vector<std::unique_ptr<btRigidBody>> bodies;
+    std::vector<btVector3> centers; // before a watched step
+    bool two_directions = false; // of friction
     btScalar dt;
 };
 
@@ -59,6 +61,7 @@ void add_body(bullet_world *w, const engine_body &from, double friction)
     w->bodies.emplace_back(new btRigidBody(info));
     w->bodies.back()->setLinearVelocity(vector(from.velocity));
     w->bodies.back()->setActivationState(DISABLE_DEACTIVATION);
+    w->bodies.back()->setUserIndex(int(w->bodies.size()) - 1);
     w->world->addRigidBody(w->bodies.back().get());
 }
 
@@ -67,10 +70,6 @@ void *make(const engine_scene *from, int choice)
     bullet_world *w = new bullet_world;
     btConstraintSolver *solver =
         choice == DANTZIG ? static_cast<btConstraintSolver *>(&w->exact) : &w->sequential;
-    if (choice == DANTZIG && from->count > 20) {
-        delete w;
-        return nullptr;
-    }
     w->world.reset(
         new btDiscreteDynamicsWorld(&w->dispatcher, &w->broad, solver, &w->configuration));
     w->world->setGravity(vector(from->gravity));
@@ -80,7 +79,8 @@ void *make(const engine_scene *from, int choice)
     } else {
         info.m_minimumSolverBatchSize = 1; /* its manual's advice for such solvers */
     }
-    if (choice >= TWO_DIRECTIONS) {
+    w->two_directions = choice >= TWO_DIRECTIONS;
+    if (w->two_directions) {
         info.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
     }
     w->dt = btScalar(from->dt);
@@ -90,10 +90,56 @@ void *make(const engine_scene *from, int choice)
     return w;
 }
 
-void step(void *data)
+void step(void *data, int watched)
 {
     bullet_world *w = static_cast<bullet_world *>(data);
+    if (watched) {
+        w->centers.resize(w->bodies.size());
+        for (std::size_t i = 0; i < w->bodies.size(); i++) {
+            w->centers[i] = w->bodies[i]->getWorldTransform().getOrigin();
+        }
+    }
     w->world->stepSimulation(w->dt, 0);
+}
+
+void copy(const btVector3 &from, double *to)
+{
+    for (int k = 0; k < 3; k++) {
+        to[k] = double(from[k]);
+    }
+}
+
+void put_contact(const bullet_world *w, const btPersistentManifold *manifold,
+                 const btManifoldPoint &point, engine_contact *out)
+{
+    out->a = manifold->getBody0()->getUserIndex();
+    out->b = manifold->getBody1()->getUserIndex();
+    out->gap = double(point.getDistance());
+    copy(point.m_normalWorldOnB, out->normal);
+    copy(point.getPositionWorldOnA() - w->centers[std::size_t(out->a)], out->arm_a);
+    copy(point.getPositionWorldOnB() - w->centers[std::size_t(out->b)], out->arm_b);
+    btVector3 impulse = point.m_appliedImpulse * point.m_normalWorldOnB +
+                        point.m_appliedImpulseLateral1 * point.m_lateralFrictionDir1;
+    if (w->two_directions) {
+        impulse += point.m_appliedImpulseLateral2 * point.m_lateralFrictionDir2;
+    }
+    copy(impulse, out->impulse);
+}
+
+int contacts(void *data, int room, engine_contact *out)
+{
+    bullet_world *w = static_cast<bullet_world *>(data);
+    int count = 0;
+    for (int i = 0; i < w->dispatcher.getNumManifolds(); i++) {
+        const btPersistentManifold *manifold = w->dispatcher.getManifoldByIndexInternal(i);
+        for (int k = 0; k < manifold->getNumContacts(); k++) {
+            if (count < room) {
+                put_contact(w, manifold, manifold->getContactPoint(k), &out[count]);
+            }
+            count++;
+        }
+    }
+    return count;
 }
 
 void state(void *data, int i, engine_state *out)
@@ -127,13 +173,13 @@ const engine *engine_list(int *count)
 {
     enum { SINGLE = sizeof(btScalar) == 4 };
     static const engine list[] = {
-        {"Bullet", "SI 10", 10, SINGLE, make, step, state, drop},
-        {"Bullet", "SI 50", 50, SINGLE, make, step, state, drop},
-        {"Bullet", "SI 200", 200, SINGLE, make, step, state, drop},
-        {"Bullet", "SI 10, 2 dirs", TWO_DIRECTIONS + 10, SINGLE, make, step, state, drop},
-        {"Bullet", "SI 50, 2 dirs", TWO_DIRECTIONS + 50, SINGLE, make, step, state, drop},
-        {"Bullet", "SI 200, 2 dirs", TWO_DIRECTIONS + 200, SINGLE, make, step, state, drop},
-        {"Bullet", "Dantzig", DANTZIG, SINGLE, make, step, state, drop},
+        {"Bullet", "SI 10", 10, SINGLE, make, step, state, contacts, drop},
+        {"Bullet", "SI 50", 50, SINGLE, make, step, state, contacts, drop},
+        {"Bullet", "SI 200", 200, SINGLE, make, step, state, contacts, drop},
+        {"Bullet", "SI 10, 2 dirs", TWO_DIRECTIONS + 10, SINGLE, make, step, state, contacts, drop},
+        {"Bullet", "SI 50, 2 dirs", TWO_DIRECTIONS + 50, SINGLE, make, step, state, contacts, drop},
+        {"Bullet", "SI 200, 2 dirs", TWO_DIRECTIONS + 200, SINGLE, make, step, state, contacts, drop},
+        {"Bullet", "Dantzig", DANTZIG, SINGLE, make, step, state, contacts, drop},
     };
     *count = int(sizeof list / sizeof list[0]);
     return list;
