@@ -8,9 +8,9 @@
 #   make check           build and run all tests; last line: "tests: N passed, M failed, K skipped"
 #   make check-sanitize  the same programs under AddressSanitizer and UBSan, and a clang build
 #   make bench           nanoseconds per call, next to the error; other libraries beside
-#                        (ODE, Bullet, Box3D by cargo; Siconos), as far as they are there. A
-#                        solve beside Siconos has TRIBO_BENCH_SECONDS=20; recorded problems are
-#                        taken from TRIBO_DATA. Scenes in time have TRIBO_BENCH_SECONDS=3 a run
+#                        (ODE, Bullet, Box3D by cargo, MuJoCo by pip; Siconos), as far as they are
+#                        there. A solve beside Siconos has TRIBO_BENCH_SECONDS=20; recorded problems
+#                        are taken from TRIBO_DATA. Scenes in time have TRIBO_BENCH_SECONDS=2 a run
 #   make fuzz            TIME=60 seconds for each fuzz target; ENGINE=libfuzzer or afl
 #   make deps            install the Debian packages that demo and check need (both do so anyway)
 #   make check-bindings  build and test the bindings whose toolchains are there; part of check

@@ -204,7 +204,8 @@ static void add_engine(const engine *e)
 
 static void find_engines(const char *program)
 {
-    static const char *const names[] = {"engine_ode", "engine_bullet", "engine_box3d"};
+    static const char *const names[] = {"engine_ode", "engine_bullet", "engine_box3d",
+                                        "engine_mujoco"};
     for (size_t i = 0; i < sizeof settings / sizeof settings[0]; i++) {
         const engine e = {"tribo",  settings[i].name, (int)i,       0,       own_make,
                           own_step, own_state,        own_contacts, own_drop};
@@ -903,7 +904,8 @@ static const struct style {
 } styles[] = {{"tribo", "#0072B2", 7},
               {"ODE", "#D55E00", 8},
               {"Bullet", "#E69F00", 4},
-              {"Box3D", "#009E73", 12}};
+              {"Box3D", "#009E73", 12},
+              {"MuJoCo", "#CC79A7", 6}};
 enum { STYLES = sizeof styles / sizeof styles[0] };
 
 /* Points of an engine, with their settings; returns their number. */
