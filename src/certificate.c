@@ -51,6 +51,20 @@ static void divide_by_mass(const system_problem *p, double *dv)
     }
 }
 
+static void velocity_by_bodies(const system_problem *p, size_t c, const double *dv, double u[3])
+{
+    const uint32_t *pair = p->pairs + 2 * c;
+    double change[3] = {0.0, 0.0, 0.0};
+
+    if (pair[0] != TRIBO_WORLD)
+        add_velocity(p->frames + 9 * c, p->turns + 18 * c, 1.0, dv + 6 * (size_t)pair[0], change);
+    if (pair[1] != TRIBO_WORLD)
+        add_velocity(p->frames + 9 * c, p->turns + 18 * c + 9, -1.0, dv + 6 * (size_t)pair[1],
+                     change);
+    for (size_t k = 0; k < 3; k++)
+        u[k] = p->q[3 * c + k] + change[k];
+}
+
 static void velocity_of_bodies(const system_problem *p, const double *r, double *dv, double *u)
 {
     for (size_t i = 0; i < 6 * (size_t)p->bodies; i++)
@@ -65,18 +79,8 @@ static void velocity_of_bodies(const system_problem *p, const double *r, double 
                         dv + 6 * (size_t)pair[1]);
     }
     divide_by_mass(p, dv);
-    for (size_t c = 0; c < p->count; c++) {
-        const uint32_t *pair = p->pairs + 2 * c;
-        double change[3] = {0.0, 0.0, 0.0};
-        if (pair[0] != TRIBO_WORLD)
-            add_velocity(p->frames + 9 * c, p->turns + 18 * c, 1.0, dv + 6 * (size_t)pair[0],
-                         change);
-        if (pair[1] != TRIBO_WORLD)
-            add_velocity(p->frames + 9 * c, p->turns + 18 * c + 9, -1.0, dv + 6 * (size_t)pair[1],
-                         change);
-        for (int k = 0; k < 3; k++)
-            u[3 * c + (size_t)k] = p->q[3 * c + (size_t)k] + change[k];
-    }
+    for (size_t c = 0; c < p->count; c++)
+        velocity_by_bodies(p, c, dv, u + 3 * c);
 }
 
 static void velocity_of_blocks(const system_problem *p, const double *r, double *u)
@@ -159,6 +163,23 @@ static void gather_size(const double *frame, const double *turn, const double r[
     }
 }
 
+/* sizes = |M^-1| sizes, in place. */
+static void divide_sizes(const system_problem *p, double *sizes)
+{
+    for (size_t i = 0; i < p->bodies; i++) {
+        const double *j = p->inverse_inertia + 6 * i;
+        double *s = sizes + 6 * i;
+        const double x = s[3];
+        const double y = s[4];
+        const double z = s[5];
+        for (int k = 0; k < 3; k++)
+            s[k] *= p->inverse_mass[i];
+        s[3] = absolute(j[0]) * x + absolute(j[1]) * y + absolute(j[2]) * z;
+        s[4] = absolute(j[1]) * x + absolute(j[3]) * y + absolute(j[4]) * z;
+        s[5] = absolute(j[2]) * x + absolute(j[4]) * y + absolute(j[5]) * z;
+    }
+}
+
 /* Sums over contacts of |M^-1| |J^T| |r|, 6 per body. */
 static void sizes_of_bodies(const system_problem *p, const double *r, double *sizes)
 {
@@ -172,18 +193,7 @@ static void sizes_of_bodies(const system_problem *p, const double *r, double *si
                             sizes + 6 * (size_t)body);
         }
     }
-    for (size_t i = 0; i < p->bodies; i++) {
-        const double *j = p->inverse_inertia + 6 * i;
-        double *s = sizes + 6 * i;
-        const double x = s[3];
-        const double y = s[4];
-        const double z = s[5];
-        for (int k = 0; k < 3; k++)
-            s[k] *= p->inverse_mass[i];
-        s[3] = absolute(j[0]) * x + absolute(j[1]) * y + absolute(j[2]) * z;
-        s[4] = absolute(j[1]) * x + absolute(j[3]) * y + absolute(j[4]) * z;
-        s[5] = absolute(j[2]) * x + absolute(j[4]) * y + absolute(j[5]) * z;
-    }
+    divide_sizes(p, sizes);
 }
 
 /* The size of sum |W_cj| |r_j|. */
@@ -389,26 +399,51 @@ static double worse(double a, double b)
     return b <= a ? a : b < HUGE_VAL ? b : HUGE_VAL;
 }
 
-/* Greatest eta over its tolerance, and greatest eta V. With mu above 1 the natural map divides by it
- * what velocities leave open: there, signorini counts as well. */
-static verdict judge_by_eta(const system_problem *problem, const goal *wanted, const double *r,
-                            const double *u, double *scratch)
+/* eta of a contact, and where mu is above 1 the greater of it and signorini, `hard`: there, the
+ * natural map divides by mu what velocities leave open. What verdicts have no use for is not
+ * calculated. */
+static double judge_contact(const system_problem *problem, size_t c, double v, const double *r,
+                            const double *u, double *hard)
 {
-    verdict out = {0.0, 0.0, 0.0, 0.0};
-    double speed = 0.0;
-    double most = 0.0;
+    const double *mu = problem->mu + 2 * c;
+    const double most = greatest_diagonal(problem->diagonal + 9 * c);
+    double eta = 0.0;
 
-    for (size_t c = 0; c < problem->count; c++) {
-        const double v = velocity_scale(problem, c, r, scratch);
+    if (resist_is_torque(problem, c) || mu[0] != mu[1] || mu[1] > 1.0) {
         const measured m = measure_any(problem, c, v, r, u);
-        const double eta = problem->mu[2 * c + 1] > 1.0 ? greater(m.eta, m.signorini) : m.eta;
-        speed = greater(speed, length3(problem->q + 3 * c));
-        most = greater(most, v);
-        out.eta = greater(out.eta, m.eta);
-        out.distance = worse(out.distance, eta);
-        out.residual = worse(out.residual, (eta + NOISE) * v);
+        *hard = mu[1] > 1.0 ? greater(m.eta, m.signorini) : m.eta;
+        return m.eta;
     }
-    out.growth = speed > 0.0 ? most / speed : 0.0;
+    if (v != 0.0)
+        eta = map_size(r + 3 * c, 1.0 / most, u + 3 * c, mu[1]) / (v / most);
+    *hard = eta;
+    return eta;
+}
+
+/* A verdict in the making. */
+typedef struct tally {
+    verdict reached; /* greatest eta, and greatest eta V */
+    double speed, most;
+} tally;
+
+static void count_contact(const system_problem *problem, size_t c, double v, const double *r,
+                          const double *u, tally *sum)
+{
+    double hard;
+    const double eta = judge_contact(problem, c, v, r, u, &hard);
+
+    sum->speed = greater(sum->speed, length3(problem->q + 3 * c));
+    sum->most = greater(sum->most, v);
+    sum->reached.eta = greater(sum->reached.eta, eta);
+    sum->reached.distance = worse(sum->reached.distance, hard);
+    sum->reached.residual = worse(sum->reached.residual, (hard + NOISE) * v);
+}
+
+static verdict pronounce(const tally *sum, const goal *wanted)
+{
+    verdict out = sum->reached;
+
+    out.growth = sum->speed > 0.0 ? sum->most / sum->speed : 0.0;
     out.distance /= wanted->tolerance;
     if (out.distance > 0.0)
         out.distance = greater(out.distance, out.residual / wanted->residual);
@@ -419,14 +454,66 @@ verdict certificate_judge(const system_problem *problem, const goal *wanted, con
                           const double *u, double *scratch)
 {
     verdict out = {0.0, 0.0, 0.0, 0.0};
+    tally sum = {{0.0, 0.0, 0.0, 0.0}, 0.0, 0.0};
 
     if (problem->bodies != 0)
         sizes_of_bodies(problem, r, scratch);
-    if (wanted->measure == TRIBO_MEASURE_ETA)
-        return judge_by_eta(problem, wanted, r, u, scratch);
+    if (wanted->measure == TRIBO_MEASURE_ETA) {
+        for (size_t c = 0; c < problem->count; c++)
+            count_contact(problem, c, velocity_scale(problem, c, r, scratch), r, u, &sum);
+        return pronounce(&sum, wanted);
+    }
     out.residual = worse(0.0, sqrt(squared_map(problem, wanted->sigma, r, u, scratch)));
     out.distance = out.residual == 0.0 ? 0.0 : out.residual / wanted->limit;
     return out;
+}
+
+/* What the impulse of a contact gives to one body, and the size of it: add_impulse and gather_size
+ * in one. */
+static void gather(const double *frame, const double *turn, double sign, const double r[3],
+                   double *restrict sum, double *restrict sizes)
+{
+    for (int k = 0; k < 3; k++) {
+        const double f[3] = {frame[k] * r[0], frame[3 + k] * r[1], frame[6 + k] * r[2]};
+        const double t[3] = {turn[k] * r[0], turn[3 + k] * r[1], turn[6 + k] * r[2]};
+        sum[k] += sign * (f[0] + f[1] + f[2]);
+        sum[3 + k] += sign * (t[0] + t[1] + t[2]);
+        sizes[k] = ((sizes[k] + absolute(f[0])) + absolute(f[1])) + absolute(f[2]);
+        sizes[3 + k] = ((sizes[3 + k] + absolute(t[0])) + absolute(t[1])) + absolute(t[2]);
+    }
+}
+
+static void gather_all(const system_problem *p, const double *r, double *dv, double *sizes)
+{
+    for (size_t i = 0; i < 6 * (size_t)p->bodies; i++)
+        dv[i] = sizes[i] = 0.0;
+    for (size_t c = 0; c < p->count; c++) {
+        for (size_t side = 0; side < 2; side++) {
+            const uint32_t body = p->pairs[2 * c + side];
+            if (body != TRIBO_WORLD)
+                gather(p->frames + 9 * c, p->turns + 18 * c + 9 * side, side == 0 ? 1.0 : -1.0,
+                       r + 3 * c, dv + 6 * (size_t)body, sizes + 6 * (size_t)body);
+        }
+    }
+    divide_by_mass(p, dv);
+    divide_sizes(p, sizes);
+}
+
+verdict certificate_check(const system_problem *problem, const goal *wanted, const double *r,
+                          double *dv, double *u, double *scratch)
+{
+    tally sum = {{0.0, 0.0, 0.0, 0.0}, 0.0, 0.0};
+
+    if (problem->bodies == 0 || wanted->measure != TRIBO_MEASURE_ETA) {
+        certificate_velocity(problem, r, dv, u);
+        return certificate_judge(problem, wanted, r, u, scratch);
+    }
+    gather_all(problem, r, dv, scratch);
+    for (size_t c = 0; c < problem->count; c++) {
+        velocity_by_bodies(problem, c, dv, u + 3 * c);
+        count_contact(problem, c, velocity_scale(problem, c, r, scratch), r, u, &sum);
+    }
+    return pronounce(&sum, wanted);
 }
 
 static double length(size_t count, const double *x)

@@ -45,6 +45,10 @@ static inline int is_better(verdict now, verdict best)
 verdict certificate_judge(const system_problem *problem, const goal *wanted, const double *r,
                           const double *u, double *scratch);
 
+/* certificate_velocity, then certificate_judge. */
+verdict certificate_check(const system_problem *problem, const goal *wanted, const double *r,
+                          double *dv, double *u, double *scratch);
+
 /* Greatest V of a contact over the greatest |q_c|: what impulses do to each other. */
 double certificate_growth(const system_problem *problem, const double *r, double *scratch);
 

@@ -4,7 +4,7 @@
 
 #define WILD 1e6
 
-void restitution_take(restitution *stage, arena *a, uint32_t count, uint32_t bodies)
+void restitution_take(restitution *stage, arena *a, uint32_t count)
 {
     double **each[] = {&stage->first,    &stage->second, &stage->u_first,
                        &stage->u_second, &stage->q,      &stage->target};
@@ -12,7 +12,6 @@ void restitution_take(restitution *stage, arena *a, uint32_t count, uint32_t bod
     for (size_t i = 0; i < sizeof each / sizeof *each; i++)
         *each[i] = arena_take(a, 3 * (size_t)count, sizeof(double));
     stage->mu = arena_take(a, 2 * (size_t)count, sizeof(double));
-    stage->free_velocity = arena_take(a, 6 * (size_t)bodies, sizeof(double));
 }
 
 /* Speed at which contact c shall part. */
@@ -77,15 +76,12 @@ static void advance(const system_problem *p, double share, double *from, double 
 /* second = first + frictionless impulses that part the contacts. Returns the distance from the
  * goal. */
 static double part_without_friction(restitution *st, solver *s, const system_problem *p,
-                                    const double *free_velocity, const double *e,
-                                    const goal *wanted)
+                                    const double *e, const goal *wanted)
 {
     system_problem bare = *p;
     const size_t n = p->count;
 
     certificate_velocity(p, st->first, s->dv, st->u_first);
-    for (size_t i = 0; i < 6 * (size_t)p->bodies; i++)
-        st->free_velocity[i] = free_velocity[i] + s->dv[i];
     for (size_t c = 0; c < n; c++) {
         st->mu[2 * c] = st->mu[2 * c + 1] = 0.0;
         for (size_t k = 0; k < 3; k++) {
@@ -99,7 +95,7 @@ static double part_without_friction(restitution *st, solver *s, const system_pro
     bare.target = st->target;
     bare.mu = st->mu;
     bare.lengths = NULL;
-    const double distance = solver_solve(s, &bare, st->free_velocity, wanted, st->second).distance;
+    const double distance = solver_solve(s, &bare, wanted, st->second).distance;
     for (size_t i = 0; i < 3 * n; i++)
         st->second[i] = st->first[i] + (i % 3 == 0 ? st->second[i] : 0.0);
     certificate_velocity(p, st->second, s->dv, st->u_second);
@@ -108,7 +104,7 @@ static double part_without_friction(restitution *st, solver *s, const system_pro
 
 /* second = impulses of Newton's restitution with friction. */
 static double part_with_friction(restitution *st, solver *s, const system_problem *p,
-                                 const double *free_velocity, const double *e, const goal *wanted)
+                                 const double *e, const goal *wanted)
 {
     system_problem aimed = *p;
 
@@ -120,7 +116,7 @@ static double part_with_friction(restitution *st, solver *s, const system_proble
         st->second[i] = st->first[i];
     aimed.q = st->q;
     aimed.target = st->target;
-    const double distance = solver_solve(s, &aimed, free_velocity, wanted, st->second).distance;
+    const double distance = solver_solve(s, &aimed, wanted, st->second).distance;
     certificate_velocity(p, st->second, s->dv, st->u_second);
     return distance;
 }
@@ -140,8 +136,7 @@ static int is_wild(const restitution *st, solver *s, const system_problem *p, do
 }
 
 double restitution_apply(restitution *stage, solver *s, const system_problem *problem,
-                         const double *free_velocity, const double *e, const goal *wanted,
-                         double *r)
+                         const double *e, const goal *wanted, double *r)
 {
     const size_t numbers = 3 * (size_t)problem->count;
 
@@ -151,7 +146,7 @@ double restitution_apply(restitution *stage, solver *s, const system_problem *pr
         stage->first[i] = r[i];
     /* The plastic solution stands: what fails from here on is told by the share alone. */
     const uint32_t stop = s->stop;
-    double distance = part_without_friction(stage, s, problem, free_velocity, e, wanted);
+    double distance = part_without_friction(stage, s, problem, e, wanted);
     if (is_wild(stage, s, problem, distance)) {
         s->stop = lasting(s->stop, stop);
         s->is_current = 0;
@@ -160,7 +155,7 @@ double restitution_apply(restitution *stage, solver *s, const system_problem *pr
     double share = allowed(problem, stage->first, stage->u_first, stage->second, stage->u_second);
     advance(problem, share, stage->first, stage->u_first, stage->second, stage->u_second);
     if (share == 1.0) {
-        distance = part_with_friction(stage, s, problem, free_velocity, e, wanted);
+        distance = part_with_friction(stage, s, problem, e, wanted);
         share =
             is_wild(stage, s, problem, distance)
                 ? 0.0

@@ -7,6 +7,10 @@
 #define FIRST_SWEEPS 8
 #define WARM_SWEEPS 4
 #define FEW_STEPS 2.0
+/* While there are few of them, sweeps that still change contacts by so many tolerances are not
+ * judged, which costs as much as some of them do. */
+#define FEW_SWEEPS 64
+#define FAR_OFF 8.0
 #define JAM_GROWTH 1e6
 /* A contact within this share of its cone stands on it. */
 #define EDGE 1e-9
@@ -41,8 +45,7 @@ static uint32_t halt(void *context)
 static verdict judge(solver *s, const system_problem *p, const goal *wanted, const double *r)
 {
     s->is_current = 1;
-    certificate_velocity(p, r, s->dv, s->u);
-    return certificate_judge(p, wanted, r, s->u, s->v);
+    return certificate_check(p, wanted, r, s->dv, s->u, s->v);
 }
 
 static double growth_of(solver *s, const system_problem *p, const goal *wanted, verdict last,
@@ -55,13 +58,6 @@ static void copy(size_t count, const double *from, double *to)
 {
     for (size_t i = 0; i < count; i++)
         to[i] = from[i];
-}
-
-/* Velocities that r gives, for the sweeps to go on from: rounding does not gather. */
-static void renew_velocities(solver *s, const system_problem *p, const double *free_velocity)
-{
-    for (size_t i = 0; i < 6 * (size_t)p->bodies; i++)
-        s->v[i] = free_velocity[i] + s->dv[i];
 }
 
 /* 1 if more than `hope` sweeps are missing, if each batch brings a distance down by the factor that
@@ -77,12 +73,22 @@ static int is_hopeless(double won, double distance, uint32_t batch, double hope)
     return sweeps > hope;
 }
 
+/* 1 if a judgement may wait: nobody looks at rates or the clock, and more sweeps are to come. */
+static int is_far_off(const solver *s, const goal *wanted, double change, double hope,
+                      uint64_t done, uint64_t most)
+{
+    const tribo_system_options *o = s->options;
+
+    return wanted->measure == TRIBO_MEASURE_ETA && hope == 0.0 && done < most &&
+           !(o->max_seconds > 0.0) && o->progress == NULL && done < FEW_SWEEPS &&
+           change > FAR_OFF * wanted->tolerance;
+}
+
 /* Sweep until the goal is met, `most` sweeps are done, or - if `hope` is given - more than that
  * many would be missing at the rate seen. Keeps the best r, judged as `start` before; returns its
  * verdict. s->dv is that of r. */
-static verdict sweep_until(solver *s, const system_problem *p, const double *free_velocity,
-                           const goal *wanted, uint64_t most, double hope, verdict start, double *r,
-                           uint64_t *done)
+static verdict sweep_until(solver *s, const system_problem *p, const goal *wanted, uint64_t most,
+                           double hope, verdict start, double *r, uint64_t *done)
 {
     const tribo_system_options *o = s->options;
     sweep *sweeps = sweep_prepare(p, o->isa, s->sweep_memory);
@@ -94,9 +100,11 @@ static verdict sweep_until(solver *s, const system_problem *p, const double *fre
     copy(3 * (size_t)p->count, r, s->held);
     while (least.distance > 1.0 && *done < most && halt(s) == 0) {
         const uint32_t now = most - *done < batch ? (uint32_t)(most - *done) : batch;
-        renew_velocities(s, p, free_velocity);
-        sweep_run(sweeps, now, r, s->v, o->parallel, o->user, o->tasks);
+        const double change = sweep_run(sweeps, now, r, NULL, o->parallel, o->user, o->tasks);
         *done += now;
+        batch = batch < 1024 ? 2 * batch : batch;
+        if (is_far_off(s, wanted, change, hope, *done, most))
+            continue;
         here = judge(s, p, wanted, r);
         s->is_current = is_better(here, least) ? 1 : 0;
         if (s->is_current != 0) {
@@ -107,7 +115,6 @@ static verdict sweep_until(solver *s, const system_problem *p, const double *fre
             is_hopeless(before / here.distance, here.distance, now, hope))
             break;
         before = here.distance;
-        batch = batch < 1024 ? 2 * batch : batch;
     }
     s->growth = growth_of(s, p, wanted, here, r);
     copy(3 * (size_t)p->count, s->held, r);
@@ -145,9 +152,8 @@ static uint32_t reason(const solver *s, int stalled)
 /* Newton; by the automatic choice in turns with Gauss-Seidel, each from where it was, for ever longer
  * turns: the cost is at most about twice that of the better one. `swept` is where the sweeps
  * were. */
-static double take_turns(solver *s, const system_problem *p, const double *free_velocity,
-                         const goal *wanted, double price, double *r, double *swept,
-                         uint64_t *sweeps)
+static double take_turns(solver *s, const system_problem *p, const goal *wanted, double price,
+                         double *r, double *swept, uint64_t *sweeps)
 {
     const uint32_t alone = s->options->solver == TRIBO_SOLVER_NEWTON;
     uint64_t turn = alone ? UINT64_MAX : FIRST_TURN;
@@ -164,8 +170,7 @@ static double take_turns(solver *s, const system_problem *p, const double *free_
         const uint64_t left = s->most - *sweeps;
         const uint64_t most = *sweeps + (due < (double)left ? (uint64_t)due : left);
         const verdict start = judge(s, p, wanted, swept);
-        if (sweep_until(s, p, free_velocity, wanted, most, 0.0, start, swept, sweeps).distance <=
-            1.0) {
+        if (sweep_until(s, p, wanted, most, 0.0, start, swept, sweeps).distance <= 1.0) {
             s->info->solver = TRIBO_SOLVER_GAUSS_SEIDEL;
             copy(3 * (size_t)p->count, swept, r);
             return 0.0;
@@ -176,8 +181,8 @@ static double take_turns(solver *s, const system_problem *p, const double *free_
 
 /* start: of r, as it is judged by p. Returns the same of the new r; a distance of Newton's own comes
  * with `is_judged` 0. */
-static verdict solve_fixed(solver *s, const system_problem *p, const double *free_velocity,
-                           const goal *wanted, verdict start, double *r, int *is_judged)
+static verdict solve_fixed(solver *s, const system_problem *p, const goal *wanted, verdict start,
+                           double *r, int *is_judged)
 {
     const size_t numbers = 3 * (size_t)p->count;
     const uint32_t asked = s->options->solver;
@@ -192,12 +197,12 @@ static verdict solve_fixed(solver *s, const system_problem *p, const double *fre
     s->run.most_steps = s->most > UINT64_MAX - done ? UINT64_MAX : done + s->most;
     copy(numbers, r, s->start_r);
     if (now.distance > 1.0 && asked != TRIBO_SOLVER_NEWTON)
-        now = sweep_until(s, p, free_velocity, wanted, s->most, price * FEW_STEPS, now, r, &sweeps);
+        now = sweep_until(s, p, wanted, s->most, price * FEW_STEPS, now, r, &sweeps);
     if (now.distance > 1.0 && use_newton && halt(s) == 0) {
         copy(numbers, r, s->swept);
         /* Sweeps spoil the contacts of a stack at rest, which Newton finds at once from nothing. */
         copy(numbers, s->start_r, r);
-        now.distance = take_turns(s, p, free_velocity, wanted, price, r, s->swept, &sweeps);
+        now.distance = take_turns(s, p, wanted, price, r, s->swept, &sweeps);
         *is_judged = 0;
     }
     if (sweeps > s->info->sweeps)
@@ -281,20 +286,19 @@ static int solve_alone(solver *s, const system_problem *p, double r[3])
 }
 
 /* One round with the coefficients in force. Returns the verdict by the problem's own. */
-static verdict solve_round(solver *s, const system_problem *problem, const double *free_velocity,
-                           const goal *wanted, const verdict *known, double *r)
+static verdict solve_round(solver *s, const system_problem *problem, const goal *wanted,
+                           const verdict *known, double *r)
 {
     system_problem held = *problem;
     int is_judged = 0;
 
     held.mu = s->mu;
     const verdict start = known != NULL ? *known : judge(s, &held, wanted, r);
-    const verdict now = solve_fixed(s, &held, free_velocity, wanted, start, r, &is_judged);
+    const verdict now = solve_fixed(s, &held, wanted, start, r, &is_judged);
     return known != NULL && is_judged ? now : judge(s, problem, wanted, r);
 }
 
-verdict solver_solve(solver *s, const system_problem *problem, const double *free_velocity,
-                     const goal *wanted, double *r)
+verdict solver_solve(solver *s, const system_problem *problem, const goal *wanted, double *r)
 {
     const size_t numbers = 3 * (size_t)problem->count;
 
@@ -314,8 +318,7 @@ verdict solver_solve(solver *s, const system_problem *problem, const double *fre
     int is_best = 0;
     copy(numbers, r, s->best);
     do {
-        const verdict now =
-            solve_round(s, problem, free_velocity, wanted, is_same ? &best : NULL, r);
+        const verdict now = solve_round(s, problem, wanted, is_same ? &best : NULL, r);
         is_best = is_better(now, best);
         if (is_best) {
             best = now;

@@ -27,10 +27,8 @@ typedef struct solver {
 /* Seconds by the clock of the options. */
 double solver_now(const tribo_system_options *options);
 
-/* Improve r, 3 per contact, until the goal is met or nothing helps. free_velocity: 6 per body, v
- * without impulses (null in the assembled form). Returns how good r is; a contact that was solved
- * alone has no distance from the goal. */
-verdict solver_solve(solver *s, const system_problem *problem, const double *free_velocity,
-                     const goal *wanted, double *r);
+/* Improve r, 3 per contact, until the goal is met or nothing helps. Returns how good r is; a contact
+ * that was solved alone has no distance from the goal. */
+verdict solver_solve(solver *s, const system_problem *problem, const goal *wanted, double *r);
 
 #endif

@@ -183,7 +183,7 @@ static void take_bodies(plan *p, arena *a)
         p->lengths = numbers(a, 2 * n);
         p->arms = numbers(a, n);
     }
-    restitution_take(&p->stage, a, p->count, p->bodies);
+    restitution_take(&p->stage, a, p->count);
 }
 
 static void take_blocks(plan *p, arena *a)
@@ -624,9 +624,8 @@ static void note_verdict(plan *p, const system_problem *problem, verdict reached
 static verdict judge_open(plan *p, const system_problem *problem, const goal *wanted,
                           const double *r)
 {
-    certificate_velocity(problem, r, p->solver.dv, p->solver.u);
     p->solver.is_current = 1;
-    return certificate_judge(problem, wanted, r, p->solver.u, p->solver.v);
+    return certificate_check(problem, wanted, r, p->solver.dv, p->solver.u, p->solver.v);
 }
 
 static void solve_contacts(plan *p, uint32_t component, const system_problem *problem,
@@ -649,13 +648,11 @@ static void solve_contacts(plan *p, uint32_t component, const system_problem *pr
         }
         return;
     }
-    const double *velocity =
-        p->assembled == 0 ? p->free_velocity + 6 * (size_t)p->body_starts[component] : NULL;
-    reached = solver_solve(&p->solver, problem, velocity, &wanted, r);
+    reached = solver_solve(&p->solver, problem, &wanted, r);
     memcpy(p->plastic + 3 * first, r, size);
     if (p->assembled == 0) {
-        const double share = restitution_apply(&p->stage, &p->solver, problem, velocity,
-                                               p->restitution + first, &wanted, r);
+        const double share =
+            restitution_apply(&p->stage, &p->solver, problem, p->restitution + first, &wanted, r);
         p->solver.info->restitution = lesser(p->solver.info->restitution, share);
     }
     if (p->is_brief != 0)
