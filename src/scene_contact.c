@@ -187,36 +187,34 @@ static void add_belt(const tribo_scene *s, uint32_t i, double sign, double sum[3
     }
 }
 
-/* recalled: impulse and torque of the last sub-step, world axes. */
-static tribo_status fill_trace(scene_run *run, const tribo_scene_contact *c,
-                               const double recalled[6], scene_trace *trace)
+/* What points between two bodies with one normal have in common. */
+static tribo_status fill_trace(scene_run *run, const uint32_t pair[2], const double normal[3],
+                               scene_trace *trace)
 {
     const tribo_scene *s = run->scene;
-    const scene_slot *a = &scene_slots(s)[c->a];
-    const scene_slot *b = &scene_slots(s)[c->b];
+    const scene_slot *a = &scene_slots(s)[pair[0]];
+    const scene_slot *b = &scene_slots(s)[pair[1]];
     const double radius = lesser(a->radius, b->radius);
     double belt[3] = {0.0, 0.0, 0.0};
     memset(trace, 0, sizeof *trace);
     tribo_status status = tribo_material_mix(&a->material, &b->material, s->settings.friction_rule,
                                              s->settings.restitution_rule, &trace->pair);
     if (status == TRIBO_OK) {
-        status = tribo_basis_from_normal(c->normal, trace->frame);
+        status = tribo_basis_from_normal(normal, trace->frame);
     }
     trace->rolling = greater(a->rolling, b->rolling);
     trace->spinning = greater(a->spinning, b->spinning);
-    run->resists |= trace->rolling > 0.0 || trace->spinning > 0.0 ? 1u : 0u;
-    add_belt(s, c->b, 1.0, belt);
-    add_belt(s, c->a, -1.0, belt);
+    add_belt(s, pair[1], 1.0, belt);
+    add_belt(s, pair[0], -1.0, belt);
     tribo_mat3_apply(trace->frame, belt, trace->belt);
-    tribo_mat3_apply(trace->frame, recalled, trace->start);
-    tribo_mat3_apply(trace->frame, recalled + 3, trace->turn);
     trace->margin = margin_of(run, radius);
     trace->slop = greater(SLOP, SOLVED * run->options.tolerance) * radius;
     return status;
 }
 
+/* common: of fill_trace. recalled: impulse and torque of the last sub-step, world axes. */
 static tribo_status keep_point(scene_run *run, const tribo_scene_contact *c,
-                               const double recalled[6])
+                               const scene_trace *common, const double recalled[6])
 {
     tribo_scene *s = run->scene;
     scene_points *to = &s->points[run->points_to];
@@ -231,10 +229,15 @@ static tribo_status keep_point(scene_run *run, const tribo_scene_contact *c,
         return status;
     }
     tribo_scene_contact *kept = scene_list(to) + to->count;
+    scene_trace *trace = (scene_trace *)s->traces.data + to->count++;
     *kept = *c;
     memset(kept->impulse, 0, sizeof kept->impulse);
     memset(kept->torque, 0, sizeof kept->torque);
-    return fill_trace(run, kept, recalled, (scene_trace *)s->traces.data + to->count++);
+    *trace = *common;
+    tribo_mat3_apply(trace->frame, recalled, trace->start);
+    tribo_mat3_apply(trace->frame, recalled + 3, trace->turn);
+    run->resists |= trace->rolling > 0.0 || trace->spinning > 0.0 ? 1u : 0u;
+    return TRIBO_OK;
 }
 
 /* ---- pairs ----------------------------------------------------------------------------------- */
@@ -267,6 +270,11 @@ static old_points find_old(const scene_run *run, uint32_t a, uint32_t b, size_t 
     return out;
 }
 
+static int is_of(const tribo_scene_contact *old, const tribo_scene_contact *c)
+{
+    return old->child_a == c->child_a && old->child_b == c->child_b;
+}
+
 /* The old point of the same features; or the nearest one, where rounding has two bodies take turns
  * in whose face clips the other's. Null if there is none. */
 static const tribo_scene_contact *find_same(const old_points *old, const tribo_scene_contact *c,
@@ -275,19 +283,17 @@ static const tribo_scene_contact *find_same(const old_points *old, const tribo_s
     const tribo_scene_contact *best = NULL;
     double least = near;
     for (size_t i = 0; i < old->count; i++) {
-        const tribo_scene_contact *o = &old->first[i];
+        if (old->first[i].id == c->id && is_of(&old->first[i], c)) {
+            return &old->first[i];
+        }
+    }
+    for (size_t i = 0; i < old->count; i++) {
         double way[3];
-        if (o->child_a != c->child_a || o->child_b != c->child_b) {
-            continue;
-        }
-        if (o->id == c->id) {
-            return o;
-        }
-        tribo_vec3_subtract(o->arm_a, c->arm_a, way);
+        tribo_vec3_subtract(old->first[i].arm_a, c->arm_a, way);
         const double distance = tribo_vec3_norm(way);
-        if (distance < least) {
+        if (is_of(&old->first[i], c) && distance < least) {
             least = distance;
-            best = o;
+            best = &old->first[i];
         }
     }
     return best;
@@ -311,7 +317,8 @@ static tribo_status keep_manifold(scene_run *run, const uint32_t pair[2],
 {
     const tribo_scene *s = run->scene;
     const int speculates = (run->options.skip & TRIBO_SKIP_SPECULATION) == 0;
-    tribo_status status = TRIBO_OK;
+    scene_trace common;
+    tribo_status status = fill_trace(run, pair, manifold->normal, &common);
     for (uint32_t i = 0; status == TRIBO_OK && i < manifold->count; i++) {
         const tribo_point *point = &manifold->points[i];
         tribo_scene_contact c;
@@ -338,7 +345,7 @@ static tribo_status keep_manifold(scene_run *run, const uint32_t pair[2],
         }
         if (speculates || c.distance <= 0.0) {
             recall_impulse(run, old, &c, recalled);
-            status = keep_point(run, &c, recalled);
+            status = keep_point(run, &c, &common, recalled);
         }
     }
     return status;
@@ -379,6 +386,22 @@ static int can_disturb(const tribo_scene *s, uint32_t i)
            (scene_slots(s)[i].kind == TRIBO_BODY_KINEMATIC && scene_moves(&scene_bodies(s)[i]));
 }
 
+/* What sleeps stays as it is. */
+static tribo_status keep_old(scene_run *run, const uint32_t pair[2], const old_points *old)
+{
+    tribo_status status = TRIBO_OK;
+    for (size_t i = 0; status == TRIBO_OK && i < old->count; i++) {
+        scene_trace common;
+        double recalled[6];
+        recall_impulse(run, old, &old->first[i], recalled);
+        status = fill_trace(run, pair, old->first[i].normal, &common);
+        if (status == TRIBO_OK) {
+            status = keep_point(run, &old->first[i], &common, recalled);
+        }
+    }
+    return status;
+}
+
 static tribo_status do_pair(scene_run *run, const uint32_t pair[2], size_t *at)
 {
     tribo_scene *s = run->scene;
@@ -392,12 +415,7 @@ static tribo_status do_pair(scene_run *run, const uint32_t pair[2], size_t *at)
     }
     const old_points old = find_old(run, pair[0], pair[1], at);
     if (!can_disturb(s, pair[0]) && !can_disturb(s, pair[1])) {
-        for (size_t i = 0; status == TRIBO_OK && i < old.count; i++) {
-            double recalled[6];
-            recall_impulse(run, &old, &old.first[i], recalled);
-            status = keep_point(run, &old.first[i], recalled);
-        }
-        return status;
+        return keep_old(run, pair, &old);
     }
     const double margin = margin_of(run, lesser(a->radius, b->radius));
     status = collide_pair(run, pair, margin, &count);

@@ -161,7 +161,12 @@ static void give_velocities(scene_run *run, size_t count)
     const tribo_system_contact *rows = s->rows.data;
     const double *velocities = s->velocities.data;
     for (size_t i = 0; i < 2 * count; i++) {
-        const uint32_t id = i % 2 == 0 ? rows[i / 2].a : rows[i / 2].b;
+        const tribo_system_contact *row = &rows[i / 2];
+        const uint32_t id = i % 2 == 0 ? row->a : row->b;
+        /* Points between two bodies follow each other. */
+        if (i > 1 && row[-1].a == row->a && row[-1].b == row->b) {
+            continue;
+        }
         tribo_body *body = &scene_bodies(s)[id];
         if (scene_slots(s)[id].kind == TRIBO_BODY_DYNAMIC) {
             memcpy(body->velocity, velocities + 6 * (size_t)id, sizeof body->velocity);
