@@ -1,6 +1,7 @@
 #include <tribo/broad.h>
 
 #include "bits.h"
+#include "tree.h"
 
 #include <float.h>
 
@@ -623,12 +624,9 @@ tribo_status tribo_tree_add(tribo_tree *tree, const double low[3], const double 
     return TRIBO_OK;
 }
 
-tribo_status tribo_tree_move(tribo_tree *tree, uint32_t id, const double low[3],
-                             const double high[3])
+tribo_status tree_move(tribo_tree *tree, uint32_t id, const double low[3], const double high[3],
+                       double margin)
 {
-    if (!tree || !low || !high) {
-        return TRIBO_ERROR_NULL;
-    }
     if (!is_live(tree, id)) {
         return TRIBO_ERROR_INDEX;
     }
@@ -638,13 +636,13 @@ tribo_status tribo_tree_move(tribo_tree *tree, uint32_t id, const double low[3],
     }
     const tree_box exact = box_of(low, high);
     tree_box *enlarged = &enlarged_of(tree)[id];
-    const tree_box loose = enlarge(&exact, STALE * tree->margin);
+    const tree_box loose = enlarge(&exact, STALE * margin);
     if (contains(enlarged, &exact) && contains(&loose, enlarged)) {
         nodes_of(tree)[places_of(tree)[id]].box = exact;
         return TRIBO_OK;
     }
     uint32_t near = take_off(tree, id);
-    *enlarged = enlarge(&exact, tree->margin);
+    *enlarged = enlarge(&exact, margin);
     reach(tree, enlarged);
     while (near != 0 && !contains(outer_box(tree, near), enlarged)) {
         near = nodes_of(tree)[near].parent;
@@ -652,6 +650,12 @@ tribo_status tribo_tree_move(tribo_tree *tree, uint32_t id, const double low[3],
     hang(tree, near, id, &exact);
     tidy(tree);
     return TRIBO_OK;
+}
+
+tribo_status tribo_tree_move(tribo_tree *tree, uint32_t id, const double low[3],
+                             const double high[3])
+{
+    return tree && low && high ? tree_move(tree, id, low, high, tree->margin) : TRIBO_ERROR_NULL;
 }
 
 tribo_status tribo_tree_remove(tribo_tree *tree, uint32_t id)

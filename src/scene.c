@@ -1,9 +1,12 @@
 #include "scene.h"
 
+#include "tree.h"
+
 #include <stdlib.h>
 
 #define MAX_BODIES 0x40000000u
 #define LEAST_CAPACITY 16u
+#define SLACK 0.0625 /* of the radius: so far a body moves before the tree is changed */
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 
@@ -172,7 +175,8 @@ tribo_status scene_place_box(tribo_scene *s, uint32_t id, double reach)
 {
     scene_slot *slot = &scene_slots(s)[id];
     const tribo_status status = scene_box(slot, &scene_bodies(s)[id], reach, slot->low, slot->high);
-    return status == TRIBO_OK ? tribo_tree_move(s->tree, id, slot->low, slot->high) : status;
+    const double margin = slot->radius - slot->radius == 0.0 ? SLACK * slot->radius : 0.0;
+    return status == TRIBO_OK ? tree_move(s->tree, id, slot->low, slot->high, margin) : status;
 }
 
 /* A tree of the boxes of slots 0 to end - 1, each with the number of its slot. */

@@ -6,6 +6,7 @@
 #define tribo_tree_init inside_tree_init
 #define tribo_tree_add inside_tree_add
 #define tribo_tree_move inside_tree_move
+#define tree_move inside_move
 #define tribo_tree_remove inside_tree_remove
 #define tribo_tree_pairs inside_tree_pairs
 #define tribo_tree_query_box inside_tree_query_box
@@ -16,14 +17,15 @@
 #undef tribo_tree_init
 #undef tribo_tree_add
 #undef tribo_tree_move
+#undef tree_move
 #undef tribo_tree_remove
 #undef tribo_tree_pairs
 #undef tribo_tree_query_box
 #undef tribo_tree_query_ray
 #undef TRIBO_BROAD_H
-#include <tribo/broad.h>
-
+#undef TRIBO_TREE_H
 #include "problems.h"
+#include "tree.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -319,6 +321,8 @@ static void compare_all(problem_random *random, const tribo_tree *tree, int kind
 
 /* ---- random lives --------------------------------------------------------------------------- */
 
+static double own_margin;
+
 static void add(tribo_tree *tree, const double box[6])
 {
     uint32_t id = UINT32_MAX;
@@ -340,9 +344,13 @@ static void drop(tribo_tree *tree, uint32_t id)
     known.count--;
 }
 
+/* Some by margins of their own. */
 static void shift(tribo_tree *tree, uint32_t id, const double box[6])
 {
-    assert_int_equal(tribo_tree_move(tree, id, box, box + 3), TRIBO_OK);
+    const tribo_status status = id % 2 == 0
+                                    ? tribo_tree_move(tree, id, box, box + 3)
+                                    : tree_move(tree, id, box, box + 3, own_margin * (id % 8));
+    assert_int_equal(status, TRIBO_OK);
     memcpy(known.boxes[id], box, sizeof known.boxes[id]);
 }
 
@@ -377,6 +385,7 @@ static void live(int kind, double margin, double unit)
     problem_random random = {SEED + (uint64_t)kind};
     memset(&known, 0, sizeof known);
     tribo_tree *tree = make_tree(BOXES, margin * unit);
+    own_margin = margin * unit;
     compare_pairs(tree);
     for (uint32_t i = 0; i < BOXES; i++) {
         double box[6];
@@ -1050,6 +1059,12 @@ static void test_margin(void **state)
     box[3] = 1.0;
     assert_int_equal(inside_tree_move(tree, id, box, box + 3), TRIBO_OK);
     assert_true(outer_box(tree, 0)->high[0] == 1.5);
+    box[3] = 2.0;
+    assert_int_equal(inside_move(tree, id, box, box + 3, 4.0), TRIBO_OK);
+    assert_true(outer_box(tree, 0)->high[0] == 6.0);
+    box[3] = 3.0;
+    assert_int_equal(inside_move(tree, id, box, box + 3, 4.0), TRIBO_OK);
+    assert_true(outer_box(tree, 0)->high[0] == 6.0);
     free(tree);
 }
 
