@@ -9,8 +9,9 @@
 #   make check-sanitize  the same programs under AddressSanitizer and UBSan, and a clang build
 #   make bench           nanoseconds per call, next to the error; other libraries beside
 #                        (ODE, Bullet, Box3D by cargo, MuJoCo by pip; Siconos), as far as they are
-#                        there. A solve beside Siconos has TRIBO_BENCH_SECONDS=20; recorded problems
-#                        are taken from TRIBO_DATA. Scenes in time have TRIBO_BENCH_SECONDS=2 a run
+#                        there. Recorded problems are taken from TRIBO_DATA. A solve beside Siconos
+#                        has TRIBO_BENCH_SECONDS=1, a run of a scene in time 2; FULL=1 has 20 and
+#                        60, and more sizes and repetitions elsewhere
 #   make fuzz            TIME=60 seconds for each fuzz target; ENGINE=libfuzzer or afl
 #   make deps            install the Debian packages that demo and check need (both do so anyway)
 #   make check-bindings  build and test the bindings whose toolchains are there; part of check
@@ -387,7 +388,7 @@ peers:
 bench:
 	.ci/deps bench
 	$(MAKE) --no-print-directory bench-programs peers
-	set -e; for bench in $(BENCHES); do $$bench; done
+	set -e; for bench in $(BENCHES); do $$bench $(if $(filter 1,$(FULL)),--full); done
 
 bench-bindings:
 	.ci/deps check bindings

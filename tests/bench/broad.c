@@ -1,7 +1,10 @@
 /* Nanoseconds per body and step of the broad phase: every body moves a little, then all overlapping
- * pairs are listed. From 1e2 to 1e6 boxes at constant density, beside brute force, a plain sweep
- * along one axis and Bullet's tree, if it is there, over the same boxes in the same run. All must
- * find the same number of pairs.
+ * pairs are listed. From 1e2 to 1e5 boxes at constant density, beside brute force, a plain sweep
+ * along one axis and Bullet's tree, if it is there, over the same boxes in the same run, up to 1e4.
+ * All must find the same number of pairs.
+ *
+ *   broad [--full] [BODIES]     greatest number of boxes; --full: 1e6, and the sweep and Bullet up
+ *                               to 1e5
  *
  * Boxes lie at random, so that neighbours in space are strangers in memory: the worst case for
  * caches, and what is left of any order after a while. The clock is that of the thread; figures
@@ -17,17 +20,13 @@
 #include <time.h>
 
 #include "../support/problems.h"
+#include "full.h"
 #include "peers/load.h"
 #include "peers/peer.h"
 
-enum {
-    SEED = 20160603,
-    MOST_STEPS = 41,
-    BRUTE_LIMIT = 10000,
-    SWEEP_LIMIT = 100000,
-    PEER_LIMIT = 100000
-};
+enum { SEED = 20160603, MOST_STEPS = 41, BRUTE_LIMIT = 10000 };
 
+static size_t other_limit = 10000; /* of the sweep and the peer */
 static const double room = 2.0;    /* volume per body, whose edges are 0.5 to 1.5 */
 static const double stride = 0.01; /* greatest motion per step and axis */
 static const double margin = 0.1;
@@ -254,7 +253,7 @@ static timing measure(size_t count, size_t steps)
     }
     t.add += now();
     void *broad =
-        other != NULL && count <= PEER_LIMIT ? other->make((unsigned)count, c.boxes) : NULL;
+        other != NULL && count <= other_limit ? other->make((unsigned)count, c.boxes) : NULL;
     for (double step = 0.0; step < settling; step++) {
         drift(&c);
         move_all(&c, tree);
@@ -274,7 +273,7 @@ static timing measure(size_t count, size_t steps)
         demand(tribo_tree_pairs(tree, c.capacity, c.pairs, &found) == TRIBO_OK, "no pairs");
         times[1][step] = now() - moved;
         times[2][step] = count <= BRUTE_LIMIT ? time_other(&c, brute_force, found) : 0.0;
-        times[3][step] = count <= SWEEP_LIMIT ? time_other(&c, sweep, found) : 0.0;
+        times[3][step] = count <= other_limit ? time_other(&c, sweep, found) : 0.0;
         times[4][step] = broad != NULL ? time_peer(broad, &c, found) : 0.0;
     }
     const double each = 1.0 / (double)count;
@@ -282,7 +281,7 @@ static timing measure(size_t count, size_t steps)
     t.move = median(steps, times[0]) * each;
     t.pairs = median(steps, times[1]) * each;
     t.brute = count <= BRUTE_LIMIT ? median(steps, times[2]) * each : -1.0;
-    t.sweep = count <= SWEEP_LIMIT ? median(steps, times[3]) * each : -1.0;
+    t.sweep = count <= other_limit ? median(steps, times[3]) * each : -1.0;
     t.peer = broad != NULL ? median(steps, times[4]) * each : -1.0;
     t.share = (double)found * each;
     if (broad != NULL) {
@@ -304,7 +303,9 @@ static void print_other(double ns)
 
 int main(int argc, char **argv)
 {
-    const size_t limit = argc > 1 ? strtoul(argv[1], NULL, 10) : 1000000;
+    const int full = take_full(&argc, argv);
+    const size_t limit = argc > 1 ? strtoul(argv[1], NULL, 10) : full ? 1000000 : 100000;
+    other_limit = full ? 100000 : other_limit;
     other = load_peer(argc > 0 ? argv[0] : "", "bullet", PEER_BROAD);
     printf("# broad phase: ns per body and step, one thread; %g of volume per body, motion %g, "
            "margin %g "
@@ -317,7 +318,7 @@ int main(int argc, char **argv)
     printf("%8s %6s %9s %9s %9s %9s %9s %9s %9s\n", "bodies", "pairs", "step", "move", "list",
            "add", "brute", "sweep", other != NULL ? other->name : "peer");
     for (size_t count = 100; count <= limit; count *= 10) {
-        const size_t steps = count < 100000 ? MOST_STEPS : count < 1000000 ? 11 : 5;
+        const size_t steps = count < 10000 ? MOST_STEPS : count < 1000000 ? 11 : 5;
         const timing t = measure(count, steps);
         printf("%8zu %6.2f %9.1f %9.1f %9.1f %9.1f", count, t.share, t.move + t.pairs, t.move,
                t.pairs, t.add);

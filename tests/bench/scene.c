@@ -37,6 +37,7 @@
 
 #include "../support/coupled.h"
 #include "certificate.h"
+#include "full.h"
 #include "limit.h"
 #include "peers/engine.h"
 #include "peers/load.h"
@@ -1012,14 +1013,14 @@ static void bench_task(const char *program, const task *t, double seconds)
 int main(int argc, char **argv)
 {
     const char *program = argc > 0 ? argv[0] : "";
-    const int full = argc > 1 && strcmp(argv[1], "--full") == 0;
-    const char *given = argc > 1 + full ? argv[1 + full] : getenv("TRIBO_BENCH_SECONDS");
-    const double seconds = given ? strtod(given, NULL) : full ? 60.0 : 2.0;
     limit_threads(argv);
+    const double usual = take_full(&argc, argv) ? 60.0 : 2.0;
+    const char *given = argc > 1 ? argv[1] : getenv("TRIBO_BENCH_SECONDS");
+    const double seconds = given ? strtod(given, NULL) : usual;
     find_engines(program);
     for (size_t k = 0; k < sizeof tasks / sizeof tasks[0]; k++) {
-        int wanted = argc < 3 + full;
-        for (int i = 2 + full; i < argc; i++) {
+        int wanted = argc < 3;
+        for (int i = 2; i < argc; i++) {
             wanted = wanted || strcmp(argv[i], tasks[k].name) == 0;
         }
         if (wanted) {

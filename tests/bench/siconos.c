@@ -3,13 +3,14 @@
  * the recorded problems) and its Gauss-Seidel with two exact local solvers; and beside the time of
  * the best of 44 configurations of Siconos that the collection records for each problem.
  *
- *   siconos [SECONDS]     most seconds for a solve (TRIBO_BENCH_SECONDS of the environment, or 20)
+ *   siconos [--full] [SECONDS]     most seconds for a solve (TRIBO_BENCH_SECONDS of the environment,
+ *                                  or 1; --full: 20)
  *
  * Accuracy is E_inv = |s r - P_K(s r - u')| / |q|, s the mean diagonal entry of W, computed here
  * from the impulses and the assembled W alone, in long double. Siconos stops by another measure: it
  * is asked for tighter ones until E_inv is met. Each solve starts from r = 0 in a process of its
  * own, which may be stopped; a mean "at most" counts that limit as the time. The time is that of
- * the processor, the least of repetitions for up to half a second, and includes all that a solver
+ * the processor, the least of repetitions for a while, and includes all that a solver
  * does before it starts. One thread. Towers are given to tribo as bodies and contacts, and to it
  * and Siconos assembled, which is not in the time. */
 #define _POSIX_C_SOURCE 200809L
@@ -35,12 +36,13 @@
 
 #include "../../src/cli/problem.h"
 #include "../support/systems.h"
+#include "full.h"
 #include "limit.h"
 
 enum { CONTACTS_ABOVE = 20, PROBLEMS = 64, NAME = 64, GOALS = 2, REPETITIONS = 50, SLIDING = 2 };
 
 static const double goals[GOALS] = {1e-6, 1e-9};
-static const double repeat_seconds = 0.5;
+static double repeat_seconds = 0.1; /* --full: 0.5 */
 
 /* One problem in the forms that there are of it. */
 typedef struct task {
@@ -736,10 +738,10 @@ static void summarise(const char *program, const series *of, double limit)
     }
 }
 
-static double limit_of(const char *argument)
+static double limit_of(const char *argument, double usual)
 {
     const char *text = argument ? argument : getenv("TRIBO_BENCH_SECONDS");
-    const double seconds = text ? atof(text) : 20.0;
+    const double seconds = text ? atof(text) : usual;
     if (!(seconds > 0.0 && seconds < 1e6)) {
         fprintf(stderr, "siconos: %s is no time limit\n", text);
         exit(2);
@@ -750,9 +752,11 @@ static double limit_of(const char *argument)
 int main(int argc, char **argv)
 {
     const char *data = getenv("TRIBO_DATA");
-    const double limit = limit_of(argc > 1 ? argv[1] : NULL);
     int failed = 0;
     limit_threads(argv);
+    const int full = take_full(&argc, argv);
+    const double limit = limit_of(argc > 1 ? argv[1] : NULL, full ? 20.0 : 1.0);
+    repeat_seconds = full ? 0.5 : repeat_seconds;
     if ((int)METHODS == (int)SICONOS_FIRST) {
         puts("siconos: its solvers are skipped, they were not there when this was built");
     }

@@ -2,7 +2,7 @@
  * threads and working set, and how far the sweeps get: greatest eta after 10 and 100 of them, by
  * the library's certificate, which the tests compare with quad precision.
  *
- *   sweep [CONTACTS]     greatest number of contacts (1000000)
+ *   sweep [--full] [CONTACTS]     greatest number of contacts (100000; --full: 1000000)
  *
  * Timed sweeps go on from ten that were done before, so that roots of slips are known, as they are
  * in any but the first sweeps; the start of each run (bodies' velocities from the impulses) is in
@@ -22,6 +22,7 @@
 
 #include "../support/coupled.h"
 #include "certificate.h"
+#include "full.h"
 #include "sweep.h"
 
 enum { LEAST_ROUNDS = 3, ROUNDS = 64, SPINS = 1000000 };
@@ -415,7 +416,8 @@ int main(int argc, char **argv)
                   {"sliding", make_sliding},
                   {"mixed", make_mixed},
                   {"frictionless", make_frictionless}};
-    const double most = argc > 1 ? atof(argv[1]) : 1e6;
+    const int full = take_full(&argc, argv);
+    const double most = argc > 1 ? atof(argv[1]) : full ? 1e6 : 1e5;
     printf("Gauss-Seidel, exact cone, doubles; ns per contact and sweep. Published for comparison: "
            "Box3D, 25 ns per\npoint and sub-step, normal and lumped friction, floats, 4 lanes.\n"
            "KiB: contacts and bodies in a sweep; %%: contacts that are open, stick, slip after 10 "

@@ -1,6 +1,7 @@
 /* Many contacts: how time and memory grow with their number, and what towers take.
  *
- *   system [CONTACTS [SECONDS]]     greatest number of contacts (100000), limit for one solve (20)
+ *   system [--full] [CONTACTS [SECONDS]]     greatest number of contacts (10000; --full: 100000),
+ *                                            limit for one solve (3; --full: 20)
  *
  * Piles of spheres, walls of bricks and towers of boxes from a cold start to an invariant residual
  * of 1e-8 by the automatic choice with SuiteSparse, in the caller's thread; the time is that of
@@ -19,11 +20,12 @@
 
 #include "../support/problems.h"
 #include "../support/systems.h"
+#include "full.h"
 
 enum { SCENES = 3, MOST_ROWS = 64 };
 
 static const double tolerance = 1e-8;
-static const double budget = 0.2; /* seconds of repetition for each figure */
+static double budget = 0.05; /* seconds of repetition for each figure */
 static const char *const scene_names[SCENES] = {"pile", "wall", "tower"};
 
 typedef struct row {
@@ -243,14 +245,15 @@ static int by_size(const void *a, const void *b)
 }
 
 /* Sliding and spinning towers with mu up to 1.5. */
-static void slide(void)
+/* Up to so many boxes. */
+static void slide(size_t most)
 {
     enum { SEEDS = 20 };
     static const size_t heights[] = {2, 5, 10, 20, 50, 100};
     printf("\n%d sliding and spinning towers of each height, mu up to 1.5, eta 1e-9\n", SEEDS);
     printf("%6s %7s %9s %9s %9s %9s %9s\n", "boxes", "solved", "least ms", "median", "most",
            "med.fact.", "most");
-    for (size_t i = 0; i < sizeof heights / sizeof heights[0]; i++) {
+    for (size_t i = 0; i < sizeof heights / sizeof heights[0] && heights[i] <= most; i++) {
         double ms[SEEDS];
         double factors[SEEDS];
         int solved = 0;
@@ -302,12 +305,14 @@ static void write_table(const char *program)
 
 int main(int count, char **arguments)
 {
-    const double most = count > 1 ? strtod(arguments[1], NULL) : 1e5;
-    const double limit = count > 2 ? strtod(arguments[2], NULL) : 20.0;
+    const int full = take_full(&count, arguments);
+    const double most = count > 1 ? strtod(arguments[1], NULL) : full ? 1e5 : 1e4;
+    const double limit = count > 2 ? strtod(arguments[2], NULL) : full ? 20.0 : 3.0;
+    budget = full ? 0.2 : budget;
     grow(most, limit);
     stand();
     sweep(limit);
-    slide();
+    slide(full ? 100 : 50);
     write_table(count > 0 ? arguments[0] : "system");
     return EXIT_SUCCESS;
 }
