@@ -2,17 +2,18 @@
 #include "scene.h"
 #include "sym3.h"
 
-/* Where bodies rest on each other, what forces give them goes down from each to what is under it:
+/* Where bodies come to rest on each other, their momentum goes down from each to what is under it:
  * passed on from the highest to the lowest, once, it is what contacts of a stack have to carry, and
  * the solvers have next to nothing left to do. How points share the load of one body is not given by
  * the laws of contact; here each force is as small as can be. This is a start of the solvers, no
- * answer: it is taken for islands that it brings nearer to balance than the impulses of the last
- * sub-step do, by sweeps; by others, which find stacks from nothing, where it balances all. */
-#define LEAN 0.125 /* least share of gravity along the normal of a contact that carries */
-#define ROUNDS 4   /* of one body: points that would pull are left out in the next */
-#define HINT 1e-9  /* of the greatest moment of points, against axes that have none */
-#define EXACT 1e-8 /* of the forces' impulses: balanced */
-#define FAST 2.0   /* times what forces give in a sub-step: faster is not at rest */
+ * answer: it is taken for islands that it brings nearer to rest than the impulses of the last
+ * sub-step do, by sweeps; by others, which find stacks from nothing, where it brings all to rest. */
+#define LEAN 0.125  /* least share of gravity along the normal of a contact that carries */
+#define ROUNDS 4    /* of one body: points that would pull are left out in the next */
+#define HINT 1e-9   /* of the greatest moment of points, against axes that have none */
+#define EXACT 1e-8  /* of the forces' impulses: balanced */
+#define FAST 16.0   /* times what forces give in a sub-step: faster does not come to rest */
+#define NEARER 0.25 /* of the energy that the old impulses leave: what rolls is not to be braked */
 #define NOBODY UINT32_MAX
 
 typedef struct carrying {
@@ -20,13 +21,14 @@ typedef struct carrying {
     size_t count;      /* points */
     double up[3];      /* against gravity */
     double *loads;     /* 6 per body: impulse and its moment that nothing stops yet */
-    double *energies;  /* 3 per island: of forces, of loads before and after */
+    double *energies;  /* 3 per island: of bodies, of loads before and after */
     double *forces;    /* 3 per point: impulse on A, world axes */
     double *weights;   /* of points in sharing */
     uint32_t *upper;   /* of each point the body that rests on the other, or none */
     uint32_t *first;   /* of each body where its points begin in `points`; one more at the end */
     uint32_t *points;  /* by the body that they carry */
     uint32_t *above;   /* of each body: points in which it carries a body that is not done */
+    uint32_t *driven;  /* of islands */
     uint32_t *waiting; /* bodies with nothing above, in the order they are done in */
 } carrying;
 
@@ -45,6 +47,11 @@ static int is_movable(const carrying *w, uint32_t body)
     return scene_is_awake(&scene_slots(w->run->scene)[body]);
 }
 
+static int is_swept(const carrying *w)
+{
+    return w->run->options.solver == TRIBO_SOLVER_GAUSS_SEIDEL;
+}
+
 /* ---- memory ---------------------------------------------------------------------------------- */
 
 static tribo_status take_memory(carrying *w)
@@ -53,7 +60,7 @@ static tribo_status take_memory(carrying *w)
     const size_t bodies = s->end;
     tribo_status status = scene_reserve(s, &s->loads, 9 * bodies + 4 * w->count, sizeof(double));
     if (status == TRIBO_OK) {
-        status = scene_reserve(s, &s->carriers, 3 * bodies + 1 + 2 * w->count, sizeof(uint32_t));
+        status = scene_reserve(s, &s->carriers, 4 * bodies + 1 + 2 * w->count, sizeof(uint32_t));
     }
     if (status != TRIBO_OK) {
         return status;
@@ -64,11 +71,12 @@ static tribo_status take_memory(carrying *w)
     w->weights = w->forces + 3 * w->count;
     w->first = s->carriers.data;
     w->above = w->first + bodies + 1;
-    w->waiting = w->above + bodies;
+    w->driven = w->above + bodies;
+    w->waiting = w->driven + bodies;
     w->upper = w->waiting + bodies;
     w->points = w->upper + w->count;
     memset(w->loads, 0, 9 * bodies * sizeof *w->loads);
-    memset(w->first, 0, (2 * bodies + 1) * sizeof *w->first);
+    memset(w->first, 0, (3 * bodies + 1) * sizeof *w->first);
     return TRIBO_OK;
 }
 
@@ -86,23 +94,17 @@ static void add_load(carrying *w, uint32_t body, double sign, const double force
     }
 }
 
-/* Bodies' own: what forces give. An axis about which nothing turns has no moment. */
+/* Bodies' own. An axis about which nothing turns has no moment. */
 static void load_bodies(carrying *w)
 {
     const tribo_scene *s = w->run->scene;
-    const double *kicks = s->kicks.data;
     for (uint32_t i = 0; i < s->end; i++) {
-        const double *kick = kicks + 6 * (size_t)i;
+        const tribo_body *body = &scene_bodies(s)[i];
         double *load = w->loads + 6 * (size_t)i;
-        double inertia[6];
-        if (!is_movable(w, i)) {
-            continue;
-        }
-        tribo_vec3_scale(1.0 / scene_bodies(s)[i].inverse_mass, kick, load);
-        if (kick[3] != 0.0 || kick[4] != 0.0 || kick[5] != 0.0) {
-            tribo_body_world_inverse_inertia(&scene_bodies(s)[i], inertia);
-            if (sym3_invert(inertia, inertia)) {
-                tribo_sym3_apply(inertia, kick + 3, load + 3);
+        if (is_movable(w, i)) {
+            tribo_vec3_scale(1.0 / body->inverse_mass, body->velocity, load);
+            if (tribo_body_spin(body, load + 3) != TRIBO_OK) {
+                memset(load + 3, 0, 3 * sizeof *load);
             }
         }
     }
@@ -145,24 +147,58 @@ static void add_energies(carrying *w, int which)
     }
 }
 
-/* ---- who rests on whom ----------------------------------------------------------------------- */
-
-/* The body that a point carries: closed, as good as at rest, and not beside it. */
-static uint32_t find_upper(const carrying *w, size_t i)
+/* Islands that a belt or a body that moves by itself drives do not come to rest. */
+static void mark_driven(carrying *w)
 {
     const tribo_scene *s = w->run->scene;
+    const uint32_t *parents = s->parents.data;
+    for (size_t i = 0; i < w->count; i++) {
+        const tribo_scene_contact *c = contact_at(w, i);
+        const double *belt = trace_at(w, i)->belt;
+        const int moves = (!is_movable(w, c->a) && scene_moves(&scene_bodies(s)[c->a])) ||
+                          (!is_movable(w, c->b) && scene_moves(&scene_bodies(s)[c->b]));
+        if (trace_at(w, i)->is_held != 0 && (moves || belt[1] != 0.0 || belt[2] != 0.0)) {
+            w->driven[parents[is_movable(w, c->a) ? c->a : c->b]] = 1;
+        }
+    }
+}
+
+/* ---- who rests on whom ----------------------------------------------------------------------- */
+
+/* Whether a body may come to rest in this sub-step. */
+static int is_slow(const carrying *w, uint32_t i)
+{
+    const tribo_scene *s = w->run->scene;
+    const tribo_body *body = &scene_bodies(s)[i];
+    const double *kick = (const double *)s->kicks.data + 6 * (size_t)i;
+    const double turn = tribo_vec3_norm(body->angular_velocity);
+    return tribo_vec3_norm(body->velocity) + turn * scene_slots(s)[i].radius <=
+           FAST * tribo_vec3_norm(kick);
+}
+
+/* How far surfaces may be apart: for sweeps, so far as forces bring them together in a sub-step;
+ * corners that are just open take part, or else a body would be left without its feet. */
+static double gap_of(const carrying *w, const scene_trace *trace, uint32_t body)
+{
+    const double *kick = (const double *)w->run->scene->kicks.data + 6 * (size_t)body;
+    return is_swept(w) ? trace->slop + w->run->h * tribo_vec3_norm(kick) : trace->slop;
+}
+
+/* The body that a point carries: closed, slow, and not beside it. */
+static uint32_t find_upper(const carrying *w, size_t i)
+{
+    const uint32_t *parents = w->run->scene->parents.data;
     const tribo_scene_contact *c = contact_at(w, i);
     const scene_trace *trace = trace_at(w, i);
     const double lean = tribo_vec3_dot(c->normal, w->up);
-    double u[3];
-    if (trace->is_held == 0 || c->distance > trace->slop || !(lean > LEAN || lean < -LEAN)) {
+    const uint32_t body = lean > 0.0 ? c->a : c->b;
+    if (trace->is_held == 0 || !is_movable(w, body) || !(lean > LEAN || lean < -LEAN)) {
         return NOBODY;
     }
-    const uint32_t body = lean > 0.0 ? c->a : c->b;
-    scene_point_velocity(s, c, NULL, u);
-    const double *kick = (const double *)s->kicks.data + 6 * (size_t)body;
-    return is_movable(w, body) && tribo_vec3_norm(u) <= FAST * tribo_vec3_norm(kick) ? body
-                                                                                     : NOBODY;
+    return c->distance <= gap_of(w, trace, body) && w->driven[parents[body]] == 0 &&
+                   is_slow(w, body)
+               ? body
+               : NOBODY;
 }
 
 static uint32_t lower_of(const carrying *w, size_t i)
@@ -428,13 +464,12 @@ static void take_forces(carrying *w)
 {
     const tribo_scene *s = w->run->scene;
     const uint32_t *parents = s->parents.data;
-    const int by_sweeps = w->run->options.solver == TRIBO_SOLVER_GAUSS_SEIDEL;
     for (size_t i = 0; i < w->count; i++) {
         if (w->upper[i] == NOBODY) {
             continue;
         }
         const double *e = w->energies + 3 * (size_t)parents[w->upper[i]];
-        if (by_sweeps ? e[2] < e[1] : e[2] <= EXACT * EXACT * e[0]) {
+        if (is_swept(w) ? e[2] < NEARER * e[1] : e[2] <= EXACT * EXACT * e[0]) {
             tribo_mat3_apply(trace_at(w, i)->frame, w->forces + 3 * i, trace_at(w, i)->start);
         }
     }
@@ -462,6 +497,7 @@ tribo_status scene_carry_weight(scene_run *run)
     load_bodies(&w);
     add_energies(&w, 0);
     load_points(&w);
+    mark_driven(&w);
     add_energies(&w, 1);
     sort_points(&w);
     carry_all(&w);

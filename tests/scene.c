@@ -518,6 +518,32 @@ static void test_rest_needs_no_solver(void **state)
     }
 }
 
+/* The top box of a high tower falls onto it: four sweeps a step, which find no balance of so many by
+ * themselves, bring it to rest all the same. */
+static void test_tower_comes_to_rest_by_few_sweeps(void **state)
+{
+    enum { HIGH = 40 };
+    const tribo_step_options options = {.struct_size = sizeof options,
+                                        .max_iterations = 4,
+                                        .solver = TRIBO_SOLVER_GAUSS_SEIDEL,
+                                        .tolerance = 1e-6};
+    tribo_scene *scene = make_scene(0.0, -G, 0);
+    tribo_scene_body box = box_of(1.0, 0.5, 0.5, 0.5, 0.5, 0.0);
+    (void)state;
+    add_floor(scene, 0.5, 0.0);
+    for (int i = 0; i < HIGH; i++) {
+        add_at(scene, &box, 0.02 * (i % 3), 0.0, 0.5 + i + (i + 1 < HIGH ? 0.0 : 0.05));
+    }
+    run(scene, 1.0 / 240.0, 480, &options);
+    for (uint32_t i = 1; i <= HIGH; i++) {
+        const tribo_body body = state_of(scene, i);
+        within(tribo_vec3_norm(body.velocity), 1e-9);
+        within(fabs(body.position[2] - (i - 0.5)), 1e-3);
+    }
+    settle("a tower of 40 by 4 sweeps");
+    tribo_scene_destroy(scene);
+}
+
 /* ---- events ---------------------------------------------------------------------------------- */
 
 static void test_events(void **state)
@@ -900,6 +926,7 @@ int main(void)
         TEST(test_stages_that_are_not_needed),
         TEST(test_warm_start),
         TEST(test_rest_needs_no_solver),
+        TEST(test_tower_comes_to_rest_by_few_sweeps),
         TEST(test_events),
         TEST(test_contacts),
         TEST(test_saved_state_goes_on_to_the_bit),
