@@ -76,16 +76,7 @@ int clip_distance(const pair_query *query, const double n[3], double *distance, 
 
 /* ---- polygons along the normal -------------------------------------------------------------- */
 
-typedef struct polygon {
-    uint32_t count;
-    uint32_t feature;
-    double size;     /* greatest distance of a corner from the first along u or v */
-    double shortest; /* side, by the sum of what it is along u and v */
-    double slope[2]; /* height gained per length along u and v: take_slope */
-    double h[TRIBO_MAX_FACE];
-    double u[TRIBO_MAX_FACE];
-    double v[TRIBO_MAX_FACE];
-} polygon;
+typedef pair_polygon polygon;
 
 static void flatten(const pair_face *face, const double frame[9], polygon *out)
 {
@@ -430,6 +421,117 @@ uint32_t clip_faces(const pair_query *query, const pair_face faces[2], int refer
     return overlap(frame, p, reference, points);
 }
 
+/* ---- faces of boxes -------------------------------------------------------------------------- */
+
+/* Least and greatest along u and v. */
+static void bounds_of(const polygon *p, double least[2], double most[2])
+{
+    least[0] = lesser(lesser(p->u[0], p->u[1]), lesser(p->u[2], p->u[3]));
+    least[1] = lesser(lesser(p->v[0], p->v[1]), lesser(p->v[2], p->v[3]));
+    most[0] = greater(greater(p->u[0], p->u[1]), greater(p->u[2], p->u[3]));
+    most[1] = greater(greater(p->v[0], p->v[1]), greater(p->v[2], p->v[3]));
+}
+
+/* Side j of the rectangle cuts. */
+static uint32_t cut(const clipping *c, const double half[2], uint32_t j, const corner *in,
+                    uint32_t n, corner *out)
+{
+    double d[PAIR_MAX_POINTS];
+    const double sign = j == 0 || j == 3 ? 1.0 : -1.0;
+    for (uint32_t i = 0; i < n; i++) {
+        d[i] = j % 2 == 0 ? half[1] - sign * in[i].v : half[0] - sign * in[i].u;
+    }
+    return clip_by_line(c, in, n, d, c->slack, j, out);
+}
+
+static int is_near(const polygon *p, const double half[2], double reach)
+{
+    int near = 0;
+    for (uint32_t i = 0; i < 4; i++) {
+        near |= absolute(absolute(p->u[i]) - half[0]) <= reach ||
+                absolute(absolute(p->v[i]) - half[1]) <= reach;
+    }
+    return near;
+}
+
+static double shortest_of(const polygon *p)
+{
+    return lesser(absolute(p->u[0] - p->u[1]) + absolute(p->v[0] - p->v[1]),
+                  absolute(p->u[1] - p->u[2]) + absolute(p->v[1] - p->v[2]));
+}
+
+static uint32_t raise_rectangle(const pair_query *query, const pair_rectangles *f, uint32_t count,
+                                const corner *corners, pair_point *points)
+{
+    const uint32_t own = pair_feature(f->own, 0, 0);
+    const uint32_t other = pair_feature(f->other.feature, 0, 0);
+    for (uint32_t i = 0; i < count; i++) {
+        const corner *c = corners + i;
+        pair_point *to = points + i;
+        place(f->frame, c->u, c->v, 0.5 * (c->h + f->level), to->middle);
+        if (f->side != 0) {
+            tribo_vec3_add(to->middle, query->offset, to->middle);
+        }
+        to->distance = c->h - f->level;
+        to->a = f->side == 0 ? own | c->outer : other | c->inner;
+        to->b = f->side == 0 ? other | c->inner : own | c->outer;
+    }
+    return count;
+}
+
+/* Corners of the rectangle, for their names. */
+static void take_corners(const double half[2], polygon *p)
+{
+    p->count = 4;
+    p->u[0] = p->u[3] = half[0];
+    p->u[1] = p->u[2] = -half[0];
+    p->v[0] = p->v[1] = half[1];
+    p->v[2] = p->v[3] = -half[1];
+}
+
+uint32_t clip_rectangles(const pair_query *query, const pair_rectangles *f,
+                         pair_point points[PAIR_MAX_POINTS])
+{
+    polygon outer;
+    corner work[2][PAIR_MAX_POINTS];
+    corner *from = work[0];
+    corner *to = work[1];
+    double least[2];
+    double most[2];
+    const double a = f->half[0];
+    const double b = f->half[1];
+    uint32_t n = 4;
+    take_corners(f->half, &outer);
+    bounds_of(&f->other, least, most);
+    const double size = greater(most[0] - least[0], most[1] - least[1]);
+    const double slack = CLIP_ROUNDING * lesser(size, 2.0 * greater(a, b)) +
+                         PAIR_ROUNDING * (a + b + size + extent(query->offset));
+    const double reach = NEAR * lesser(2.0 * lesser(a, b), shortest_of(&f->other));
+    const clipping c = {&f->other, &outer, 1.0, slack, reach};
+    const double beyond[4] = {most[1] - b, 0.0 - least[0] - a, 0.0 - least[1] - b, most[0] - a};
+    for (uint32_t i = 0; i < 4; i++) {
+        const corner vertex = {f->other.u[i],
+                               f->other.v[i],
+                               f->other.h[i],
+                               pair_feature(0, PAIR_VERTEX, i),
+                               pair_feature(0, PAIR_FACE, 0),
+                               i};
+        from[i] = vertex;
+    }
+    for (uint32_t j = 0; j < 4 && n > 0; j++) {
+        if (beyond[j] > slack) {
+            n = cut(&c, f->half, j, from, n, to);
+            corner *swap = from;
+            from = to;
+            to = swap;
+        }
+    }
+    if (is_near(&f->other, f->half, reach)) {
+        name_vertices(&c, n, from);
+    }
+    return raise_rectangle(query, f, n, from, points);
+}
+
 static uint32_t deepest_of(const pair_point *points, uint32_t count)
 {
     uint32_t deepest = 0;
@@ -539,6 +641,12 @@ static uint32_t touch_at_edges(const double frame[9], const polygon p[2], double
     return count;
 }
 
+static int is_same(const double a[3], const double b[3], double reach)
+{
+    return absolute(a[0] - b[0]) <= reach && absolute(a[1] - b[1]) <= reach &&
+           absolute(a[2] - b[2]) <= reach;
+}
+
 /* ---- the axis and the faces ----------------------------------------------------------------- */
 
 /* Where a face of either shape looks along the axis nearly, its normal is exact and the axis has
@@ -555,9 +663,11 @@ static int snap(const pair_query *query, const pair_face faces[2], pair_axis *ax
             continue;
         }
         pair_axis face;
-        double rounding;
+        double rounding = 0.0;
         tribo_vec3_scale(sign, n, face.normal);
-        if (!clip_distance(query, face.normal, &face.distance, &rounding)) {
+        face.distance = given.distance;
+        if (!is_same(face.normal, given.normal, 4.0 * TRIBO_EPS) &&
+            !clip_distance(query, face.normal, &face.distance, &rounding)) {
             continue;
         }
         const double gain = face.distance - axis->distance;
@@ -815,7 +925,8 @@ void clip_manifold(const pair_query *query, const pair_axis *axis, tribo_manifol
         !clip_take_face(query, 1, best.normal, &faces[1])) {
         return;
     }
-    const int side = snap(query, faces, &best);
+    int side = snap(query, faces, &best);
+    side = is_same(best.normal, axis->normal, 0.0) ? -1 : side;
     if (side == 0 && !clip_take_face(query, 1, best.normal, &faces[1])) {
         return;
     }
@@ -1117,12 +1228,6 @@ static void choose_points(const double normal[3], double slack, uint32_t max, ui
         take_ring(normal, count, points, r);
         choose_corners(r, max, deepest);
     }
-}
-
-static int is_same(const double a[3], const double b[3], double reach)
-{
-    return absolute(a[0] - b[0]) <= reach && absolute(a[1] - b[1]) <= reach &&
-           absolute(a[2] - b[2]) <= reach;
 }
 
 /* Drop what is farther apart than the margin, and points that coincide with one before or have its

@@ -348,7 +348,11 @@ typedef struct plane {
 static void take_plane(const pair_query *query, plane *out)
 {
     const double *size = query->b->size;
-    tribo_mat3_apply(query->rb, size, out->normal);
+    if (query->upright) {
+        memcpy(out->normal, size, sizeof out->normal);
+    } else {
+        tribo_mat3_apply(query->rb, size, out->normal);
+    }
     const double excess = tribo_vec3_dot(out->normal, out->normal) - 1.0;
     if (absolute(excess) > 4.0 * TRIBO_EPS) {
         (void)unit(out->normal, out->normal);
@@ -401,24 +405,25 @@ static void box_edges(const double r[9], const double half[3], double edges[3][3
 }
 
 /* Corners of face (axis, sign), counter-clockwise seen from outside, from the centre. */
-static void box_corners(const double r[9], const double half[3], int axis, double sign,
-                        double *restrict corners)
+TRIBO_ALWAYS_INLINE void box_corners(const double r[9], const double half[3], int axis, double sign,
+                                     double *restrict corners)
 {
     const int next = axis == 2 ? 0 : axis + 1;
     const int last = axis == 0 ? 2 : axis - 1;
-    const double *outward = r + axis;
-    const double *along = r + next;
-    const double *across = r + last;
+    const double out = sign * half[axis];
+    const double u = sign * half[next];
+    const double v = half[last];
     for (int k = 0; k < 3; k++) {
-        const double out = outward[3 * k] * half[axis];
-        const double u = along[3 * k] * half[next];
-        const double v = across[3 * k] * half[last];
-        const double right = sign * (out + u);
-        const double left = sign * (out - u);
-        corners[k] = right + v;
-        corners[3 + k] = left + v;
-        corners[6 + k] = left - v;
-        corners[9 + k] = right - v;
+        const double *row = r + 3 * k;
+        const double outward = row[axis] * out;
+        const double along = row[next] * u;
+        const double across = row[last] * v;
+        const double right = outward + along;
+        const double left = outward - along;
+        corners[k] = right + across;
+        corners[3 + k] = left + across;
+        corners[6 + k] = left - across;
+        corners[9 + k] = right - across;
     }
 }
 
@@ -433,30 +438,49 @@ static uint32_t box_face_number(int axis, double sign)
     return 2u * (uint32_t)axis + (sign > 0.0 ? 0u : 1u);
 }
 
-/* Corner `at` of a box, so far from the plane. */
-static pair_point box_point(const plane *p, const double at[3], double distance, uint32_t feature)
-{
-    const double back = -0.5 * distance;
-    const pair_point point = {
-        {at[0] + back * p->normal[0], at[1] + back * p->normal[1], at[2] + back * p->normal[2]},
-        distance,
-        feature,
-        pair_feature(0, PAIR_FACE, 0)};
-    return point;
-}
-
 /* Fewer points than all that are near enough. */
-TRIBO_NEVER_INLINE void box_plane_reduced(const pair_query *query, const plane *p,
-                                          const double corners[12], const double distances[4],
-                                          uint32_t face, uint32_t count, const uint32_t *near,
-                                          tribo_manifold *out)
+TRIBO_NEVER_INLINE tribo_status box_plane_reduced(const pair_query *query, const plane *p,
+                                                  const double corners[12],
+                                                  const double distances[4], uint32_t face,
+                                                  double limit, tribo_manifold *out)
 {
     pair_point points[4];
-    for (uint32_t i = 0; i < count; i++) {
-        const uint32_t c = near[i];
-        points[i] = box_point(p, corners + 3 * c, distances[c], pair_feature(face, PAIR_VERTEX, c));
+    uint32_t count = 0;
+    for (uint32_t c = 0; c < 4; c++) {
+        if (distances[c] <= limit) {
+            points[count].distance = distances[c];
+            tribo_vec3_add_scaled(corners + 3 * c, -0.5 * distances[c], p->normal,
+                                  points[count].middle);
+            points[count].a = pair_feature(face, PAIR_VERTEX, c);
+            points[count++].b = pair_feature(0, PAIR_FACE, 0);
+        }
     }
     clip_finish(query, p->normal, 0.0, count, points, out);
+    return clip_check(out);
+}
+
+/* All corners that are near enough. Returns their number. */
+TRIBO_ALWAYS_INLINE uint32_t write_corners(int turned, const pair_query *query,
+                                           const double normal[3], const double corners[12],
+                                           const double distances[4], uint32_t face, double limit,
+                                           tribo_point *restrict points)
+{
+    const double offset[3] = {query->offset[0], query->offset[1], query->offset[2]};
+    const double n[3] = {normal[0], normal[1], normal[2]};
+    const uint64_t first =
+        pair_id(turned, pair_feature(face, PAIR_VERTEX, 0), pair_feature(0, PAIR_FACE, 0));
+    const uint64_t step = pair_id(turned, 1, 0);
+    uint32_t count = 0;
+    for (uint32_t c = 0; c < 4; c++) {
+        const double *at = corners + 3 * c;
+        const double back = -0.5 * distances[c];
+        if (distances[c] <= limit) {
+            const double middle[3] = {at[0] + back * n[0], at[1] + back * n[1],
+                                      at[2] + back * n[2]};
+            pair_write_as(turned, offset, middle, distances[c], first + c * step, &points[count++]);
+        }
+    }
+    return count;
 }
 
 /* The lowest face: it holds the deepest corner. */
@@ -465,8 +489,6 @@ static tribo_status box_plane(const pair_query *query, const plane *p, tribo_man
     double corners[12];
     double down[3];
     double way[3]; /* of the half-edges along the normal */
-    uint32_t near[4];
-    uint32_t count = 0;
     const double *half = query->a->size;
     tribo_mat3_apply_transposed(query->ra, p->normal, down);
     way[0] = down[0] * half[0];
@@ -474,44 +496,33 @@ static tribo_status box_plane(const pair_query *query, const plane *p, tribo_man
     way[2] = down[2] * half[2];
     const double reach = extent(way);
     const double limit = query->margin + PAIR_ROUNDING * (reach + absolute(p->level));
-    if (0.0 - reach - p->level > limit) {
-        clip_nothing(out);
-        return TRIBO_OK;
-    }
     const int axis = greatest_of(down);
     const double left = way[axis == 2 ? 0 : axis + 1];
     const double up = way[axis == 0 ? 2 : axis - 1];
     const double sign = down[axis] > 0.0 ? -1.0 : 1.0;
     const double level = sign * way[axis] - p->level;
-    const double distances[4] = {
-        level + sign * left + up,
-        level - sign * left + up,
-        level - sign * left - up,
-        level + sign * left - up,
-    };
-    for (uint32_t c = 0; c < 4; c++) {
-        near[count] = c;
-        count += distances[c] <= limit ? 1 : 0;
-    }
-    if (count == 0) {
+    const double right = level + sign * left;
+    const double other = level - sign * left;
+    const double distances[4] = {right + up, other + up, other - up, right - up};
+    if (lesser(lesser(distances[0], distances[1]), lesser(distances[2], distances[3])) > limit) {
         clip_nothing(out);
         return TRIBO_OK;
     }
     const uint32_t face = box_face_number(axis, sign);
     box_corners(query->ra, half, axis, sign, corners);
-    if (count > query->max_points) {
-        box_plane_reduced(query, p, corners, distances, face, count, near, out);
-        return clip_check(out);
+    if (query->max_points < 4) {
+        return box_plane_reduced(query, p, corners, distances, face, limit, out);
+    }
+    const uint32_t count =
+        query->turned
+            ? write_corners(1, query, p->normal, corners, distances, face, limit, out->points)
+            : write_corners(0, query, p->normal, corners, distances, face, limit, out->points);
+    if (count == 0) { /* lengths beyond the numbers */
+        clip_nothing(out);
+        return TRIBO_OK;
     }
     pair_write_head(query, p->normal, count, out);
-    for (uint32_t i = 0; i < count; i++) {
-        const uint32_t c = near[i];
-        const pair_point point =
-            box_point(p, corners + 3 * c, distances[c], pair_feature(face, PAIR_VERTEX, c));
-        pair_write_point(query, &point, &out->points[i]);
-    }
-    return extent(half) + absolute(p->level) + extent(query->offset) < PAIR_LARGE ? TRIBO_OK
-                                                                                  : clip_check(out);
+    return query->safe ? TRIBO_OK : clip_check(out);
 }
 
 /* Any convex shape: the corners of its lowest face, and its lowest point if that is none of
@@ -637,56 +648,71 @@ static void try_faces(const boxes *x, best_axis *best)
     }
 }
 
-/* Distance along the cross product c of edge i of A and edge j of B, times |c|. In the axes of A, c
- * has the components -r[i2][j] and r[i1][j] along the two axes i1 and i2 that follow i. All widths
- * are those of c as it is, with its rounding, so that edges that are nearly parallel do no harm:
- * the direction has noise, its distance has none. */
-TRIBO_ALWAYS_INLINE double edge_distance(const boxes *x, int i1, int i2, int j, double *along)
+/* Along the cross product c of edge i of A and edge j of B, constants all: in the axes of A it has
+ * the components -r[i2][j] and r[i1][j] along the two axes i1 and i2 that follow i. */
+TRIBO_ALWAYS_INLINE double along_edges(const boxes *x, int i1, int i2, int j)
 {
-    const int j1 = j == 2 ? 0 : j + 1;
-    const int j2 = j == 0 ? 2 : j - 1;
+    return x->ta[i2] * x->r[i1][j] - x->ta[i1] * x->r[i2][j];
+}
+
+/* Distance along c times |c|, but for rounding of c: enough to see that it is not the greatest. */
+TRIBO_ALWAYS_INLINE double rough_edge_distance(const boxes *x, int i, int i1, int i2, int j, int j1,
+                                               int j2)
+{
+    const double reach_a = x->half_a[i1] * x->abs_r[i2][j] + x->half_a[i2] * x->abs_r[i1][j];
+    const double reach_b = x->half_b[j1] * x->abs_r[i][j2] + x->half_b[j2] * x->abs_r[i][j1];
+    return absolute(along_edges(x, i1, i2, j)) - (reach_a + reach_b);
+}
+
+/* All widths are those of c as it is, with its rounding, so that edges that are nearly parallel do
+ * no harm: the direction has noise, its distance has none. */
+TRIBO_ALWAYS_INLINE double edge_distance(const boxes *x, int i1, int i2, int j, int j1, int j2)
+{
     const double c1 = x->r[i2][j];
     const double c2 = x->r[i1][j];
-    *along = x->ta[i2] * c2 - x->ta[i1] * c1;
     const double reach_a = x->half_a[i1] * x->abs_r[i2][j] + x->half_a[i2] * x->abs_r[i1][j];
     const double reach_b = x->half_b[j1] * absolute(c2 * x->r[i2][j1] - c1 * x->r[i1][j1]) +
                            x->half_b[j2] * absolute(c2 * x->r[i2][j2] - c1 * x->r[i1][j2]);
-    return absolute(*along) - (reach_a + reach_b);
+    return absolute(along_edges(x, i1, i2, j)) - (reach_a + reach_b);
 }
 
-/* Edges must beat the best face clearly. Comparison by squares: the root is for the winner. Returns
- * 0 as soon as the boxes are apart by more than the margin. */
+/* Edge i of A with edge j of B, constants both. Comparison by squares: the root is for the winner.
+ * Returns 0 if the boxes are apart by more than the margin. */
+TRIBO_ALWAYS_INLINE int try_edge(const boxes *x, int i, int j, best_axis *best)
+{
+    const int i1 = i == 2 ? 0 : i + 1;
+    const int i2 = i == 0 ? 2 : i - 1;
+    const int j1 = j == 2 ? 0 : j + 1;
+    const int j2 = j == 0 ? 2 : j - 1;
+    if (rough_edge_distance(x, i, i1, i2, j, j1, j2) < lesser(best->distance, 0.0) - x->rounding) {
+        return 1; /* by the length of c, which is at most 1, it gets no greater */
+    }
+    const double limit = best->distance + x->rounding;
+    const double distance = edge_distance(x, i1, i2, j, j1, j2);
+    const double c1 = x->r[i2][j];
+    const double c2 = x->r[i1][j];
+    const double sine2 = c1 * c1 + c2 * c2;
+    if (!(sine2 > EDGES_PARALLEL) ||
+        (distance < 0.0 && !(limit < 0.0 && distance * distance < limit * limit * sine2))) {
+        return 1;
+    }
+    const double scaled = distance / sqrt(sine2);
+    if (scaled > limit) {
+        best->which = 6 + 3 * i + j;
+        best->distance = scaled;
+        best->sine2 = sine2;
+        best->side = sign_of(along_edges(x, i1, i2, j));
+    }
+    return scaled <= x->query->margin + x->rounding;
+}
+
+/* Edges must beat the best face clearly. Returns 0 as soon as the boxes are apart by more than the
+ * margin. */
 static int try_edges(const boxes *x, best_axis *best)
 {
-    double limit = best->distance + x->rounding;
-    const double margin = x->query->margin;
-    for (int i = 0; i < 3; i++) {
-        const int i1 = i == 2 ? 0 : i + 1;
-        const int i2 = i == 0 ? 2 : i - 1;
-        for (int j = 0; j < 3; j++) {
-            double along;
-            const double distance = edge_distance(x, i1, i2, j, &along);
-            const double c1 = x->r[i2][j];
-            const double c2 = x->r[i1][j];
-            const double sine2 = c1 * c1 + c2 * c2;
-            if (!(sine2 > EDGES_PARALLEL) ||
-                (distance < 0.0 && !(limit < 0.0 && distance * distance < limit * limit * sine2))) {
-                continue;
-            }
-            const double scaled = distance / sqrt(sine2);
-            if (scaled > limit) {
-                best->which = 6 + 3 * i + j;
-                best->distance = scaled;
-                best->sine2 = sine2;
-                best->side = sign_of(along);
-                limit = scaled + x->rounding;
-            }
-            if (scaled > margin + x->rounding) {
-                return 0;
-            }
-        }
-    }
-    return 1;
+    return try_edge(x, 0, 0, best) && try_edge(x, 0, 1, best) && try_edge(x, 0, 2, best) &&
+           try_edge(x, 1, 0, best) && try_edge(x, 1, 1, best) && try_edge(x, 1, 2, best) &&
+           try_edge(x, 2, 0, best) && try_edge(x, 2, 1, best) && try_edge(x, 2, 2, best);
 }
 
 static void box_face(const pair_query *query, int side, int axis, double sign, pair_face *face)
@@ -717,18 +743,6 @@ static double face_size(const double half[3], uint32_t feature)
 {
     const uint32_t axis = feature / 2;
     return greater(half[axis == 2 ? 0 : axis + 1], half[axis == 0 ? 2 : axis - 1]);
-}
-
-static void finish_faces(const boxes *x, const pair_face faces[2], const pair_axis *axis,
-                         uint32_t count, pair_point *points, tribo_manifold *out)
-{
-    if (count == 0) {
-        clip_nothing(out);
-        return;
-    }
-    const double size =
-        lesser(face_size(x->half_a, faces[0].feature), face_size(x->half_b, faces[1].feature));
-    clip_finish(x->query, axis->normal, size, count, points, out);
 }
 
 /* One of the twelve edges: its middle from the centre, its direction and half-length. */
@@ -839,47 +853,88 @@ static void touch_edges(const boxes *x, int i, int j, const pair_axis *axis, tri
 
 /* Points of two faces; boxes that are apart may have none that lie over each other, or not the
  * nearest. */
-static void touch_faces(const boxes *x, const pair_face faces[2], int reference,
-                        const pair_axis *axis, tribo_manifold *out)
+static void finish_faces(const boxes *x, const pair_axis *axis, double size, uint32_t count,
+                         pair_point *points, tribo_manifold *out)
 {
-    pair_point points[PAIR_MAX_POINTS];
-    const uint32_t count = clip_faces(x->query, faces, reference, axis, points);
     double least = (double)INFINITY;
     for (uint32_t i = 0; i < count; i++) {
         least = lesser(least, points[i].distance);
     }
     if (axis->distance > x->rounding && least > axis->distance + 4.0 * x->rounding) {
         nearest_edges(x, axis, out);
+    } else if (count == 0) {
+        clip_nothing(out);
     } else {
-        finish_faces(x, faces, axis, count, points, out);
+        clip_finish(x->query, axis->normal, size, count, points, out);
     }
 }
 
-static void by_face_of_a(const boxes *x, int i, double distance, tribo_manifold *out)
+static void touch_faces(const boxes *x, const pair_face faces[2], int reference,
+                        const pair_axis *axis, tribo_manifold *out)
 {
-    const double side = x->ta[i] > 0.0 ? 1.0 : -1.0;
-    const int j = greatest_of(x->r[i]);
-    pair_face faces[2];
-    pair_axis axis;
-    box_face(x->query, 0, i, side, &faces[0]);
-    box_face(x->query, 1, j, x->r[i][j] * side > 0.0 ? -1.0 : 1.0, &faces[1]);
-    tribo_vec3_scale(-1.0, faces[0].normal, axis.normal);
-    axis.distance = distance;
-    touch_faces(x, faces, 0, &axis, out);
+    pair_point points[PAIR_MAX_POINTS];
+    const uint32_t count = clip_faces(x->query, faces, reference, axis, points);
+    const double size =
+        lesser(face_size(x->half_a, faces[0].feature), face_size(x->half_b, faces[1].feature));
+    finish_faces(x, axis, size, count, points, out);
 }
 
-static void by_face_of_b(const boxes *x, int j, double distance, tribo_manifold *out)
+/* Face `axis` of A (side 0) or B, which looks at the other box, and the face of that which looks at
+ * it most. */
+static void take_rectangles(const boxes *x, int side, int axis, pair_rectangles *f)
 {
-    const double side = x->tb[j] > 0.0 ? -1.0 : 1.0;
-    const double column_j[3] = {x->r[0][j], x->r[1][j], x->r[2][j]};
-    const int i = greatest_of(column_j);
-    pair_face faces[2];
-    pair_axis axis;
-    box_face(x->query, 1, j, side, &faces[1]);
-    box_face(x->query, 0, i, column_j[i] * side > 0.0 ? -1.0 : 1.0, &faces[0]);
-    memcpy(axis.normal, faces[1].normal, sizeof axis.normal);
-    axis.distance = distance;
-    touch_faces(x, faces, 1, &axis, out);
+    const double *r = &x->r[0][0];
+    const int row = side == 0 ? 3 : 1;
+    const int step = side == 0 ? 1 : 3;
+    const double *half = side == 0 ? x->half_a : x->half_b;
+    const double *other = side == 0 ? x->half_b : x->half_a;
+    const double *own = side == 0 ? x->query->ra : x->query->rb;
+    const double turn = side == 0 ? 1.0 : -1.0; /* offset from the box of the face to the other */
+    const double *t = side == 0 ? x->ta : x->tb;
+    const int next = axis == 2 ? 0 : axis + 1;
+    const int last = axis == 0 ? 2 : axis - 1;
+    const double sign = turn * t[axis] > 0.0 || (side == 1 && t[axis] == 0.0) ? 1.0 : -1.0;
+    const int rows[3] = {axis, next, last};
+    const double signs[3] = {sign, sign, 1.0};
+    const double facing[3] = {r[row * axis], r[row * axis + step], r[row * axis + 2 * step]};
+    const int m = greatest_of(facing);
+    const double back = facing[m] * sign > 0.0 ? -1.0 : 1.0;
+    const int m1 = m == 2 ? 0 : m + 1;
+    const int m2 = m == 0 ? 2 : m - 1;
+    double *const to[3] = {f->other.h, f->other.u, f->other.v};
+    for (int k = 0; k < 3; k++) {
+        const double *from = r + row * rows[k];
+        const double center = signs[k] * (turn * t[rows[k]] + back * other[m] * from[step * m]);
+        const double e1 = signs[k] * (back * other[m1] * from[step * m1]);
+        const double e2 = signs[k] * (other[m2] * from[step * m2]);
+        to[k][0] = (center + e1) + e2;
+        to[k][1] = (center - e1) + e2;
+        to[k][2] = (center - e1) - e2;
+        to[k][3] = (center + e1) - e2;
+        f->frame[3 * k] = signs[k] * own[rows[k]];
+        f->frame[3 * k + 1] = signs[k] * own[3 + rows[k]];
+        f->frame[3 * k + 2] = signs[k] * own[6 + rows[k]];
+    }
+    f->side = side;
+    f->level = half[axis];
+    f->half[0] = half[next];
+    f->half[1] = half[last];
+    f->own = box_face_number(axis, sign);
+    f->other.count = 4;
+    f->other.feature = box_face_number(m, back);
+    f->size = lesser(greater(half[next], half[last]), greater(other[m1], other[m2]));
+}
+
+static void by_face(const boxes *x, int side, int axis, double distance, tribo_manifold *out)
+{
+    pair_rectangles f;
+    pair_axis best;
+    pair_point points[PAIR_MAX_POINTS];
+    take_rectangles(x, side, axis, &f);
+    tribo_vec3_scale(side == 0 ? -1.0 : 1.0, f.frame, best.normal);
+    best.distance = distance;
+    const uint32_t count = clip_rectangles(x->query, &f, points);
+    finish_faces(x, &best, f.size, count, points, out);
 }
 
 /* The cross product of two edges. Between faces that are nearly flat on each other it tilts the
@@ -916,24 +971,15 @@ static tribo_status box_box(const pair_query *query, tribo_manifold *out)
     try_faces(&x, &best);
     if (best.distance > query->margin + x.rounding || !try_edges(&x, &best)) {
         clip_nothing(out);
-    } else if (best.which < 3) {
-        by_face_of_a(&x, best.which, best.distance, out);
     } else if (best.which < 6) {
-        by_face_of_b(&x, best.which - 3, best.distance, out);
+        by_face(&x, best.which / 3, best.which % 3, best.distance, out);
     } else {
         by_edges(&x, &best, out);
     }
-    return x.rounding < PAIR_ROUNDING * PAIR_LARGE ? TRIBO_OK : clip_check(out);
+    return query->safe ? TRIBO_OK : clip_check(out);
 }
 
 /* ---- all pairs ------------------------------------------------------------------------------ */
-
-int closed_exists(uint32_t type_a, uint32_t type_b)
-{
-    return type_b == TRIBO_SHAPE_HALFSPACE ||
-           (type_a == TRIBO_SHAPE_SPHERE && type_b <= TRIBO_SHAPE_CAPSULE) ||
-           (type_a == type_b && type_b <= TRIBO_SHAPE_CAPSULE);
-}
 
 /* Two shapes of which none is a half-space. */
 TRIBO_NEVER_INLINE tribo_status two_solids(const pair_query *query, tribo_manifold *out)

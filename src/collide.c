@@ -58,30 +58,32 @@ static void rotation_of(const tribo_pose *pose, double r[9])
     rotation_rows(q[0], q[1], q[2], q[3], r);
 }
 
-/* The ground is seldom turned: then it costs no division. */
-static int is_upright(const double q[4])
+/* The rotation of a unit quaternion; 0 if it is none. The ground is seldom turned: then it costs no
+ * division. */
+TRIBO_ALWAYS_INLINE int take_rotation(const double q[4], double r[9], uint32_t *upright)
 {
-    return q[0] == 1.0 && (bits_of(q[1]) | bits_of(q[2]) | bits_of(q[3])) == 0;
+    static const double none[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
+    const double rest = q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    const double square = q[0] * q[0] + rest;
+    *upright = rest == 0.0 && square == 1.0;
+    if (*upright) {
+        memcpy(r, none, sizeof none);
+        return 1;
+    }
+    rotation_rows(q[0], q[1], q[2], q[3], r);
+    return absolute(square - 1.0) <= 2.0 * UNIT_TOLERANCE;
 }
 
-/* The rotation of a pose, if all of it is well. */
-TRIBO_ALWAYS_INLINE tribo_status take_rotation(const tribo_pose *pose, double r[9])
+static tribo_status check_pose(const tribo_pose *pose)
 {
-    static const double upright[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
-    const double *q = pose->orientation;
+    double r[9];
+    uint32_t upright;
     if (!all_finite(pose->position, 3)) {
         return TRIBO_ERROR_NOT_FINITE;
     }
-    if (is_upright(q)) {
-        memcpy(r, upright, sizeof upright);
-        return TRIBO_OK;
-    }
-    const double square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    if (!(absolute(square - 1.0) <= 2.0 * UNIT_TOLERANCE)) {
-        return all_finite(q, 4) ? TRIBO_ERROR_ORIENTATION : TRIBO_ERROR_NOT_FINITE;
-    }
-    rotation_rows(q[0], q[1], q[2], q[3], r);
-    return TRIBO_OK;
+    return take_rotation(pose->orientation, r, &upright) ? TRIBO_OK
+           : all_finite(pose->orientation, 4)            ? TRIBO_ERROR_ORIENTATION
+                                                         : TRIBO_ERROR_NOT_FINITE;
 }
 
 static int is_convex(uint32_t type)
@@ -147,6 +149,8 @@ static void turn(const pair_query *from, pair_query *to)
     to->margin = from->margin;
     to->max_points = from->max_points;
     to->turned = !from->turned;
+    to->upright = 0;
+    to->safe = from->safe;
 }
 
 TRIBO_NEVER_INLINE tribo_status general(const pair_query *query, tribo_manifold *out,
@@ -196,31 +200,56 @@ static tribo_status touch(const pair_query *query, uint32_t method, tribo_manifo
                             : in_order(query, method, out, info);
 }
 
-/* The pair without its shapes' parts, if all of it is well. */
+/* Boxes and the ground, which are many, without a call. */
+TRIBO_ALWAYS_INLINE int is_well(const tribo_shape *shape)
+{
+    const double *size = shape->size;
+    const int is_box = shape->type == TRIBO_SHAPE_BOX && size[0] > 0.0 && size[1] > 0.0 &&
+                       size[2] > 0.0 && size[0] + size[1] + size[2] < (double)INFINITY;
+    const int is_ground = shape->type == TRIBO_SHAPE_HALFSPACE &&
+                          absolute(tribo_vec3_dot(size, size) - 1.0) <= PAIR_NORMAL_TOLERANCE &&
+                          absolute(size[3]) < (double)INFINITY;
+    return is_box || is_ground || tribo_shape_check(shape) == TRIBO_OK;
+}
+
+/* Length that says how large the numbers of a box or half-space are; infinite of other shapes. */
+TRIBO_ALWAYS_INLINE double length_of(const tribo_shape *shape)
+{
+    return shape->type == TRIBO_SHAPE_BOX         ? extent(shape->size)
+           : shape->type == TRIBO_SHAPE_HALFSPACE ? absolute(shape->size[3])
+                                                  : (double)INFINITY;
+}
+
+/* What is wrong with a pair. */
+TRIBO_NEVER_INLINE tribo_status check_pair(const tribo_shape *shape_a, const tribo_pose *pose_a,
+                                           const tribo_shape *shape_b, const tribo_pose *pose_b)
+{
+    tribo_status status = tribo_shape_check(shape_a);
+    status = status == TRIBO_OK ? tribo_shape_check(shape_b) : status;
+    status = status == TRIBO_OK ? check_pose(pose_a) : status;
+    status = status == TRIBO_OK ? check_pose(pose_b) : status;
+    status = status == TRIBO_OK ? check_kinds(shape_a->type, shape_b->type) : status;
+    return status == TRIBO_OK ? TRIBO_ERROR_RANGE : status;
+}
+
+/* The pair without its shapes' parts, if all of it is well. A finite offset has finite ends. */
 static tribo_status take_pair(const tribo_shape *shape_a, const tribo_pose *pose_a,
                               const tribo_shape *shape_b, const tribo_pose *pose_b,
                               const tribo_collide_options *options, pair_query *query)
 {
-    tribo_status status = tribo_shape_check(shape_a);
-    status = status == TRIBO_OK ? tribo_shape_check(shape_b) : status;
-    status = status == TRIBO_OK ? take_rotation(pose_a, query->ra) : status;
-    status = status == TRIBO_OK ? take_rotation(pose_b, query->rb) : status;
-    status = status == TRIBO_OK ? check_kinds(shape_a->type, shape_b->type) : status;
-    if (status != TRIBO_OK) {
-        return status;
-    }
+    uint32_t upright;
+    tribo_vec3_subtract(pose_b->position, pose_a->position, query->offset);
     query->a = shape_a;
     query->b = shape_b;
-    tribo_vec3_subtract(pose_b->position, pose_a->position, query->offset);
     query->margin = options->margin;
     query->max_points = options->max_points;
     query->turned = 0;
-    return TRIBO_OK;
-}
-
-static tribo_status check_offset(const pair_query *query)
-{
-    return all_finite(query->offset, 3) ? TRIBO_OK : TRIBO_ERROR_RANGE;
+    query->safe = length_of(shape_a) + length_of(shape_b) + extent(query->offset) < PAIR_LARGE;
+    const int well = is_well(shape_a) && is_well(shape_b) && all_finite(query->offset, 3) &&
+                     take_rotation(pose_a->orientation, query->ra, &upright) &&
+                     take_rotation(pose_b->orientation, query->rb, &query->upright) &&
+                     check_kinds(shape_a->type, shape_b->type) == TRIBO_OK;
+    return well ? TRIBO_OK : check_pair(shape_a, pose_a, shape_b, pose_b);
 }
 
 /* ---- parts ---------------------------------------------------------------------------------- */
@@ -292,6 +321,8 @@ static void take_parts(const pair_query *query, const part *a, const part *b, pa
     out->margin = query->margin;
     out->max_points = query->max_points;
     out->turned = query->turned;
+    out->upright = 0;
+    out->safe = 0;
 }
 
 /* A manifold of two parts into the caller's order, arms from the positions of the shapes. */
@@ -709,13 +740,16 @@ static tribo_status collide_simple(const pair_query *query, uint32_t method, uin
                                    tribo_manifold *manifolds, uint32_t *count,
                                    tribo_collide_info *info)
 {
+    /* what cannot fail is written where it is to be */
     tribo_manifold m;
-    const tribo_status status = touch(query, method, &m, info);
+    tribo_manifold *out =
+        capacity > 0 && query->safe && method != TRIBO_METHOD_GENERAL ? manifolds : &m;
+    const tribo_status status = touch(query, method, out, info);
     if (status != TRIBO_OK) {
         return status;
     }
-    *count = m.count > 0 ? 1 : 0;
-    if (m.count > 0 && capacity > 0) {
+    *count = out->count > 0 ? 1 : 0;
+    if (out == &m && m.count > 0 && capacity > 0) {
         copy_manifold(&m, manifolds);
     }
     return *count > capacity ? TRIBO_ERROR_CAPACITY : TRIBO_OK;
@@ -748,7 +782,6 @@ tribo_status tribo_collide_shapes(const tribo_shape *shape_a, const tribo_pose *
     status = status == TRIBO_OK ? check_margin(known.margin) : status;
     status =
         status == TRIBO_OK ? take_pair(shape_a, pose_a, shape_b, pose_b, &known, &query) : status;
-    status = status == TRIBO_OK ? check_offset(&query) : status;
     if (status != TRIBO_OK) {
         return status;
     }
@@ -767,7 +800,6 @@ static tribo_status batch_pair(uint32_t shape_count, const tribo_shape *shapes,
                                tribo_collide_info *info)
 {
     pair_query query;
-    tribo_manifold m;
     if (pair[0] >= shape_count || pair[1] >= shape_count) {
         return TRIBO_ERROR_INDEX;
     }
@@ -780,8 +812,14 @@ static tribo_status batch_pair(uint32_t shape_count, const tribo_shape *shapes,
     if (status == TRIBO_OK && !(is_simple(a) && is_simple(b))) {
         status = TRIBO_ERROR_PAIR;
     }
-    status = status == TRIBO_OK ? check_offset(&query) : status;
-    status = status == TRIBO_OK ? touch(&query, options->method, &m, info) : status;
+    if (status != TRIBO_OK) {
+        return status;
+    }
+    if (query.safe && options->method != TRIBO_METHOD_GENERAL) {
+        return touch(&query, options->method, out, info);
+    }
+    tribo_manifold m;
+    status = touch(&query, options->method, &m, info);
     if (status == TRIBO_OK) {
         copy_manifold(&m, out);
     }

@@ -18,12 +18,12 @@
  *   points by GJK (Gilbert, Johnson, Keerthi 1988), own, because libccd answers no distance query
  *   and its tolerances are absolute.
  * - A survey of all of M by an expanding polytope (van den Bergen 2001) says whether another local
- *   minimum lies deeper: a polytope within M bounds the least width from below. Round places would
+ *   minimum lies deeper; where M is a polytope that holds the origin it finds the least by itself: a polytope within M bounds the least width from below. Round places would
  *   need ever more facets; where a facet is near to M a search from its normal, or what is known
  *   of the rise around the best minimum, settles what lies beyond. Own as well: libccd's ended
  *   early in one deep pair of twenty, compares squares of lengths, has no limit, and allocates. */
+#include "hull.h"
 #include "pair.h"
-
 #include "rows.h"
 
 #include <tribo/math.h>
@@ -37,6 +37,7 @@ enum {
     DESCENTS = 16,
     LONG_DESCENTS = 10,
     NEWTON_STEPS = 8,
+    STRANDS = 4,
     EXPLORED = 16, /* searches a survey may start, */
     FEW = 3,       /* of which these give up early, */
     CALLS = 1000,  /* and calls of M after which it starts none */
@@ -46,6 +47,7 @@ enum {
 
 #define SAME_WAY 0.99 /* cosine */
 #define TOUCHING 1e-4 /* of the lesser radius: so little may be an overlap or a gap */
+#define WIDE 0.5      /* tangent of the angle at which a polytope is first looked at */
 #define SAME 1e-9     /* of the reach: by so much two supports may contradict each other */
 
 /* How w rises around a local minimum n where M is smooth, or smooth along a kink. */
@@ -57,8 +59,18 @@ typedef struct basin {
     double slope[2]; /* to both sides of the kink */
 } basin;
 
+/* Vertices of a small hull from its core, world axes, scaled: all supports of a search look at all of
+ * them. */
+typedef struct arms {
+    uint32_t count; /* a multiple of STRANDS: the first again; 0: of any other shape */
+    double x[HULL_LINEAR];
+    double y[HULL_LINEAR];
+    double z[HULL_LINEAR];
+} arms;
+
 typedef struct search {
     const pair_query *pair;
+    arms arms[2];
     double scale;       /* a power of two: lengths here are lengths there times scale */
     double center_a[3]; /* cores, in the axes of their shapes, metres */
     double center_b[3];
@@ -155,6 +167,61 @@ static int bone_support(const tribo_shape *shape, const double direction[3], dou
     return shape_support(shape, direction, point);
 }
 
+static void take_arms(const tribo_shape *shape, const double r[9], const double center[3],
+                      double scale, arms *out)
+{
+    out->count = 0;
+    if (shape->type != TRIBO_SHAPE_HULL) {
+        return;
+    }
+    const hull_block *hull = shape->data;
+    const double *v = hull_vertices(hull);
+    const uint32_t count = hull->vertex_count;
+    if (count > HULL_LINEAR) {
+        return;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        const double x = (v[3 * i] - center[0]) * scale;
+        const double y = (v[3 * i + 1] - center[1]) * scale;
+        const double z = (v[3 * i + 2] - center[2]) * scale;
+        out->x[i] = r[0] * x + r[1] * y + r[2] * z;
+        out->y[i] = r[3] * x + r[4] * y + r[5] * z;
+        out->z[i] = r[6] * x + r[7] * y + r[8] * z;
+    }
+    for (out->count = count; out->count % STRANDS != 0; out->count++) {
+        out->x[out->count] = out->x[0];
+        out->y[out->count] = out->y[0];
+        out->z[out->count] = out->z[0];
+    }
+}
+
+/* Without a chain from vertex to vertex: heights first, then the greatest by strands, and last the
+ * first that is as great. */
+static void farthest_arm(const arms *from, const double n[3], double sign, double out[3])
+{
+    double h[HULL_LINEAR];
+    const double d[3] = {sign * n[0], sign * n[1], sign * n[2]};
+    const uint32_t count = from->count;
+    double most[STRANDS] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    for (uint32_t i = 0; i < count; i++) {
+        h[i] = d[0] * from->x[i] + d[1] * from->y[i] + d[2] * from->z[i];
+    }
+    for (uint32_t i = 0; i < count; i += STRANDS) {
+        most[0] = greater(h[i], most[0]);
+        most[1] = greater(h[i + 1], most[1]);
+        most[2] = greater(h[i + 2], most[2]);
+        most[3] = greater(h[i + 3], most[3]);
+    }
+    const double all = greater(greater(most[0], most[1]), greater(most[2], most[3]));
+    uint32_t k = 0;
+    while (k + 1 < count && h[k] < all) {
+        k++;
+    }
+    out[0] = from->x[k];
+    out[1] = from->y[k];
+    out[2] = from->z[k];
+}
+
 /* Support point of one shape without its radius from its core, world axes, scaled; 0 if there is
  * none. */
 static int part(const tribo_shape *shape, const double r[9], const double center[3], double scale,
@@ -179,9 +246,19 @@ static double support(search *s, const double n[3], double point[3])
 {
     double *a = s->last[0];
     double *b = s->last[1];
+    int found = 1;
     s->calls++;
-    if (!part(s->pair->a, s->pair->ra, s->center_a, s->scale, n, -1.0, a) ||
-        !part(s->pair->b, s->pair->rb, s->center_b, s->scale, n, 1.0, b)) {
+    if (s->arms[0].count > 0) {
+        farthest_arm(&s->arms[0], n, -1.0, a);
+    } else {
+        found = part(s->pair->a, s->pair->ra, s->center_a, s->scale, n, -1.0, a);
+    }
+    if (s->arms[1].count > 0) {
+        farthest_arm(&s->arms[1], n, 1.0, b);
+    } else {
+        found = part(s->pair->b, s->pair->rb, s->center_b, s->scale, n, 1.0, b) && found;
+    }
+    if (!found) {
         s->fault = 1;
         memset(s->last, 0, sizeof s->last);
     }
@@ -648,14 +725,16 @@ typedef struct facet {
 
 /* A THIN facet has no normal to speak of. It is never asked and goes as soon as a neighbour
  * does. */
-enum { FACET_FREE, FACET_KEPT, FACET_THIN, FACET_SEEN };
+enum { FACET_FREE, FACET_KEPT, FACET_THIN };
 
 /* Polytope within M. */
 typedef struct polytope {
     double p[POINTS][3];
     facet f[FACETS];
     int points;
-    int facets;  /* ever used */
+    int facets; /* ever used */
+    int unused; /* of them, and which */
+    int free[FACETS];
     double thin; /* heights of triangles that count as none */
 } polytope;
 
@@ -675,59 +754,51 @@ static void set_facet(polytope *x, int at, int a, int b, int c)
     tribo_vec3_subtract(x->p[b], x->p[a], ab);
     tribo_vec3_subtract(x->p[c], x->p[a], ac);
     tribo_vec3_cross(ab, ac, n);
-    const double longest = sqrt(greater(tribo_vec3_dot(ab, ab), tribo_vec3_dot(ac, ac)));
+    const double longest = greater(tribo_vec3_dot(ab, ab), tribo_vec3_dot(ac, ac));
+    const double square = tribo_vec3_dot(n, n);
     f->v[0] = a;
     f->v[1] = b;
     f->v[2] = c;
-    f->state = length(n) > x->thin * longest ? FACET_KEPT : FACET_THIN;
+    f->state = square > x->thin * x->thin * longest && square > 1e-200 ? FACET_KEPT : FACET_THIN;
     f->explored = 0;
     f->d = HUGE_VAL;
-    if (f->state == FACET_KEPT && unit(n, f->n)) {
+    if (f->state == FACET_KEPT) {
+        tribo_vec3_scale(1.0 / sqrt(square), n, f->n);
         f->d = tribo_vec3_dot(f->n, x->p[a]);
     }
 }
 
 static int free_facet(polytope *x)
 {
-    for (int i = 0; i < x->facets; i++) {
-        if (x->f[i].state == FACET_FREE) {
-            return i;
-        }
-    }
-    return x->facets < FACETS ? x->facets++ : -1;
+    return x->unused > 0 ? x->free[--x->unused] : x->facets < FACETS ? x->facets++ : -1;
 }
 
-/* Marks the facets that see point p or lie in a plane with it, from one that sees it, and lists the
+/* Frees the facets that see point p or lie in a plane with it, from one that sees it, and lists the
  * rim. Returns its length. */
 static int tear(polytope *x, int first, const double p[3], double tolerance, rim *edges)
 {
-    int stack[FACETS];
-    int depth = 0;
+    int seen[FACETS];
+    int depth = 1;
     int count = 0;
-    x->f[first].state = FACET_SEEN;
-    stack[depth++] = first;
-    while (depth > 0) {
-        const facet *f = &x->f[stack[--depth]];
+    seen[0] = first;
+    x->f[first].state = FACET_FREE;
+    for (int k = 0; k < depth; k++) {
+        const facet *f = &x->f[seen[k]];
         for (int i = 0; i < 3; i++) {
             facet *other = &x->f[f->next[i]];
             if (other->state == FACET_THIN ||
                 (other->state == FACET_KEPT &&
                  tribo_vec3_dot(other->n, p) > other->d - tolerance)) {
-                other->state = FACET_SEEN;
-                stack[depth++] = f->next[i];
-            }
-        }
-    }
-    for (int k = 0; k < x->facets; k++) {
-        for (int i = 0; i < 3 && x->f[k].state == FACET_SEEN; i++) {
-            if (x->f[x->f[k].next[i]].state != FACET_SEEN) {
-                const rim edge = {x->f[k].v[i], x->f[k].v[(i + 1) % 3], x->f[k].next[i]};
+                other->state = FACET_FREE;
+                seen[depth++] = f->next[i];
+            } else if (other->state == FACET_KEPT) {
+                const rim edge = {f->v[i], f->v[i == 2 ? 0 : i + 1], f->next[i]};
                 edges[count++] = edge;
             }
         }
     }
-    for (int k = 0; k < x->facets; k++) {
-        x->f[k].state = x->f[k].state == FACET_SEEN ? FACET_FREE : x->f[k].state;
+    for (int k = 0; k < depth; k++) {
+        x->free[x->unused++] = seen[k];
     }
     return count;
 }
@@ -831,6 +902,7 @@ static int tetrahedron(search *s, polytope *x)
         copy(n, x->p[2]);
     }
     x->points = x->facets = 4;
+    x->unused = 0;
     x->thin = 16.0 * s->rounding;
     int kept = 0;
     for (int i = 0; i < 4; i++) {
@@ -864,8 +936,9 @@ static int is_known(const search *s)
     return s->lowest.width <= s->width + s->rounding;
 }
 
-/* Support points of three directions around the best one, so near that the facet between them
- * lies as deep as it: without them a smooth place would have to be halved down to their size. */
+/* Support points of three directions around the best one: of a polytope those of its corners there,
+ * else so near that the facet between them lies as deep as it. Without them a smooth place would have
+ * to be halved down to their size. */
 static void ring(search *s, double p[3][3])
 {
     if (s->has_facet) {
@@ -875,7 +948,7 @@ static void ring(search *s, double p[3][3])
     static const double turn[3][2] = {{1.0, 0.0}, {-0.5, 0.75}, {-0.5, -0.75}};
     double f[9];
     basis_rows(s->normal[0], s->normal[1], s->normal[2], f);
-    const double delta = is_known(s) ? sqrt(0.006 * s->width / s->reach) : 1e-7;
+    const double delta = s->flat ? WIDE : is_known(s) ? sqrt(0.006 * s->width / s->reach) : 1e-7;
     for (int i = 0; i < 3; i++) {
         double n[3];
         const double x = delta * turn[i][0];
@@ -1276,6 +1349,8 @@ static void begin(search *s, const pair_query *pair)
     shape_core(pair->b, s->center_b, &inner[1], &outer[1]);
     s->pair = pair;
     s->scale = power_of_two(scale_exponent(lesser(outer[0], outer[1])));
+    take_arms(pair->a, pair->ra, s->center_a, s->scale, &s->arms[0]);
+    take_arms(pair->b, pair->rb, s->center_b, s->scale, &s->arms[1]);
     tribo_mat3_apply(pair->ra, s->center_a, a);
     tribo_mat3_apply(pair->rb, s->center_b, b);
     for (int i = 0; i < 3; i++) {
@@ -1324,8 +1399,8 @@ static void axes_of(search *s, const double r[9])
 /* From the least width seen to a local minimum. */
 static void settle(search *s)
 {
-    if (!(s->flat && s->width < 0.0) && (newton(s) || climb_ridges(s))) {
-        return;
+    if (!s->flat && (newton(s) || climb_ridges(s))) {
+        return; /* a polytope is nowhere smooth */
     }
     if (!descend(s) && !s->flat && !s->fault && !apart(s)) {
         (void)climb_ridges(s); /* the crease was too far away before */
@@ -1469,6 +1544,18 @@ static int may_part(const search *s)
            s->nearest + s->width > 16.0 * s->rounding;
 }
 
+/* A local minimum, unless a look at all of a polytope is cheaper. Returns whether it may be none
+ * because M is kinked there. */
+static int find_minimum(search *s)
+{
+    const int touching = s->width <= 64.0 * s->rounding;
+    const int kink = !touching && snap(s);
+    if (touching || (!s->flat && !kink)) {
+        settle(s);
+    }
+    return kink;
+}
+
 static void least_width(search *s)
 {
     first_look(s);
@@ -1479,13 +1566,10 @@ static void least_width(search *s)
     if (apart(s) || s->fault) {
         return;
     }
-    const int kink = s->width > 64.0 * s->rounding && snap(s);
-    if (!kink || s->width <= 64.0 * s->rounding) {
-        settle(s);
-    }
+    const int kink = find_minimum(s);
     const double width = s->width;
     if (width > 64.0 * s->rounding && !s->fault) {
-        look_around(s, kink);
+        look_around(s, kink || s->flat);
     }
     if (may_part(s) && !s->fault && !apart(s)) {
         meet(s);

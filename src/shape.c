@@ -5,8 +5,7 @@
 #include "pair.h"
 #include "rows.h"
 
-#define NORMAL_TOLERANCE 1e-12 /* of the square of a length */
-#define UNIT_TOLERANCE 1e-6    /* of quaternions, which are used as if normalised */
+#define UNIT_TOLERANCE 1e-6 /* of quaternions, which are used as if normalised */
 #define PI 3.14159265358979323846
 
 static int is_convex(uint32_t type)
@@ -46,7 +45,7 @@ static tribo_status check_pose(const tribo_pose *pose)
 static tribo_status check_halfspace(const double *size)
 {
     const double square = tribo_vec3_dot(size, size);
-    if (all_finite(&size[3], 1) && absolute(square - 1.0) <= NORMAL_TOLERANCE) {
+    if (all_finite(&size[3], 1) && absolute(square - 1.0) <= PAIR_NORMAL_TOLERANCE) {
         return TRIBO_OK;
     }
     return all_finite(size, 4) ? TRIBO_ERROR_NORMAL : TRIBO_ERROR_NOT_FINITE;
