@@ -19,6 +19,7 @@
 #define NEAR 1e-4           /* of the shortest side: a corner is at a vertex or on an edge */
 #define BETTER 1.00001      /* ratio of areas, or of squares, that is worth another choice */
 #define TILT 1e-5           /* radians by which supports are tilted to feel along a face */
+#define LEVEL 1e-5          /* of the size: points are as deep as the deepest */
 #define RIDGE 1e-6 /* of the size: up to so much above the deepest point two ridges still touch */
 
 enum { SAMPLES = 10 };
@@ -1028,8 +1029,8 @@ static void measure_ear(ring *r, uint32_t place)
         absolute(area(r, r->order[before(r, place)], r->order[place], r->order[after(r, place)]));
 }
 
-/* Counter-clockwise from the point of the least name: where choices are as good as each other, which
- * polygon clipped which does not show. */
+/* Counter-clockwise from the point of the least name: where choices are as good as each other,
+ * which polygon clipped which does not show. */
 static void put_in_order(const pair_point *points, ring *r)
 {
     double total = 0.0;
@@ -1203,19 +1204,23 @@ static void choose_two(ring *r, uint32_t max, uint32_t deepest)
     r->count = max;
 }
 
-/* Whether one of the points chosen is as deep as any to rounding. */
-static int holds_deepest(const ring *r, const pair_point *points, uint32_t deepest, double slack)
+/* Place of the deepest of the points chosen. */
+static uint32_t deepest_place(const ring *r, const pair_point *points)
 {
-    int found = 0;
-    for (uint32_t k = 0; k < r->count; k++) {
-        found |= points[r->order[k]].distance <= points[deepest].distance + slack;
+    uint32_t place = 0;
+    for (uint32_t k = 1; k < r->count; k++) {
+        const double best = points[r->order[place]].distance;
+        place = points[r->order[k]].distance < best ? k : place;
     }
-    return found;
+    return place;
 }
 
-/* Choose `max` of the points: the deepest, and those that keep the largest area. */
-static void choose_points(const double normal[3], double slack, uint32_t max, uint32_t count,
-                          const pair_point *points, ring *r)
+/* Choose `max` of the points: those that keep the largest area, one of them the deepest. In stacks
+ * of equal boxes that are twisted against each other two choices are as good as each other, and
+ * the motion of a step says which corner is the deepest: where all of them are to `level`, the
+ * choice stays, and the deepest of it tells the depth of all. */
+static void choose_points(const double normal[3], double level, uint32_t max, uint32_t count,
+                          pair_point *points, ring *r)
 {
     const uint32_t deepest = deepest_of(points, count);
     take_ring(normal, count, points, r);
@@ -1224,7 +1229,10 @@ static void choose_points(const double normal[3], double slack, uint32_t max, ui
         return;
     }
     choose_corners(r, max, PAIR_MAX_POINTS);
-    if (!holds_deepest(r, points, deepest, slack)) {
+    pair_point *best = &points[r->order[deepest_place(r, points)]];
+    if (best->distance <= points[deepest].distance + level) {
+        best->distance = points[deepest].distance;
+    } else {
         take_ring(normal, count, points, r);
         choose_corners(r, max, deepest);
     }
@@ -1295,7 +1303,7 @@ void clip_finish(const pair_query *query, const double normal[3], double size, u
         return;
     }
     ring r;
-    choose_points(normal, slack, query->max_points, kept, points, &r);
+    choose_points(normal, slack + LEVEL * size, query->max_points, kept, points, &r);
     pair_write_head(query, normal, r.count, out);
     for (uint32_t i = 0; i < r.count; i++) {
         pair_write_point(query, &points[r.order[i]], &out->points[i]);

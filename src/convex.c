@@ -18,10 +18,11 @@
  *   points by GJK (Gilbert, Johnson, Keerthi 1988), own, because libccd answers no distance query
  *   and its tolerances are absolute.
  * - A survey of all of M by an expanding polytope (van den Bergen 2001) says whether another local
- *   minimum lies deeper; where M is a polytope that holds the origin it finds the least by itself: a polytope within M bounds the least width from below. Round places would
- *   need ever more facets; where a facet is near to M a search from its normal, or what is known
- *   of the rise around the best minimum, settles what lies beyond. Own as well: libccd's ended
- *   early in one deep pair of twenty, compares squares of lengths, has no limit, and allocates. */
+ *   minimum lies deeper: a polytope within M bounds the least width from below. Where M is a
+ *   polytope itself, the survey finds the least without a descent before. Round places would need
+ *   ever more facets; where a facet is near to M a search from its normal, or what is known of the
+ *   rise around the best minimum, settles what lies beyond. Own as well: libccd's ended early in
+ *   one deep pair of twenty, compares squares of lengths, has no limit, and allocates. */
 #include "hull.h"
 #include "pair.h"
 #include "rows.h"
@@ -59,8 +60,8 @@ typedef struct basin {
     double slope[2]; /* to both sides of the kink */
 } basin;
 
-/* Vertices of a small hull from its core, world axes, scaled: all supports of a search look at all of
- * them. */
+/* Vertices of a small hull from its core, world axes, scaled: all supports of a search look at all
+ * of them. */
 typedef struct arms {
     uint32_t count; /* a multiple of STRANDS: the first again; 0: of any other shape */
     double x[HULL_LINEAR];
@@ -370,7 +371,8 @@ static void keep(simplex *x, int i, int j, int k, int count)
 }
 
 /* The nearest point of a simplex. Where that is an end or a side to rounding, what lies beyond it
- * decides: the way to a vertex that is near has noise, the one square to an edge or face has none. */
+ * decides: the way to a vertex that is near has noise, the one square to an edge or face has
+ * none. */
 typedef struct nearest {
     double v[3];
     double square;
@@ -937,8 +939,8 @@ static int is_known(const search *s)
 }
 
 /* Support points of three directions around the best one: of a polytope those of its corners there,
- * else so near that the facet between them lies as deep as it. Without them a smooth place would have
- * to be halved down to their size. */
+ * else so near that the facet between them lies as deep as it. Without them a smooth place would
+ * have to be halved down to their size. */
 static void ring(search *s, double p[3][3])
 {
     if (s->has_facet) {

@@ -924,12 +924,13 @@ static void print_ratios(const char *name, const ratios *r)
     print_message("# %-44s mean %.4f worst %.4f\n", name, r->sum / (double)r->count, r->worst);
 }
 
-/* A box on a plate of 2 x 2, flat or tilted a little. The overlap has up to eight corners, of which
- * four are kept: all of its area where it has no more, else what the best four have, or, where one
- * is the deepest, the best four with that. Four points can not do better; eight would have it all.
- */
+/* A box on a plate of 2 x 2, flat to what does not count, or tilted a little. The overlap has up to
+ * eight corners, of which four are kept: all of its area where it has no more, else what the best
+ * four have, or, where one is the deepest, the best four with that. Four points can not do better;
+ * eight would have it all. */
 static void points_keep_the_area(void **state)
 {
+    static const double tilts[3] = {0.0, 1e-6, 1e-4};
     static const double plate[2] = {1.0, 1.0};
     ratios all = {0.0, 0.0, 0};
     ratios possible = all;
@@ -938,17 +939,21 @@ static void points_keep_the_area(void **state)
     ratios tilted = all;
     ratios with_deepest = all;
     (void)state;
-    for (int i = 0; i < 4000; i++) {
+    for (int i = 0; i < 6000; i++) {
         const double h[2] = {between(0.2, 0.6), between(0.2, 0.6)};
         const double angle = between(-3.0, 3.0);
         const double x = between(-1.0, 1.0);
         const double y = between(-1.0, 1.0);
-        const double tilt = i % 2 == 0 ? 0.0 : 1e-6;
+        const double tilt = tilts[i % 3];
         const tribo_shape a = make(TRIBO_SHAPE_BOX, h[0], h[1], 0.3);
         const tribo_shape b = make(TRIBO_SHAPE_BOX, plate[0], plate[1], 0.2);
-        const tribo_pose pa = turned(at(x, y, 0.499), tilt * sin(x), tilt * cos(x), angle);
+        const double up[3] = {0.0, 0.0, 0.3};
+        tribo_pose pa = turned(at(x, y, 0.199), tilt * sin(x), tilt * cos(x), angle);
         const tribo_pose pb = at(0, 0, 0);
+        double middle[3];
         double truth[24][2];
+        tribo_quat_rotate(pa.orientation, up, middle);
+        tribo_vec3_add(pa.position, middle, pa.position); /* the lower face stays where it is */
         double points[4][2];
         int lowest = 0;
         const int corners = overlap_corners(plate, h, x, y, angle, truth);
@@ -971,8 +976,8 @@ static void points_keep_the_area(void **state)
         }
         const double best = best_four(truth, corners, -1);
         note(&possible, best / area);
-        note(tilt == 0.0 ? &flat : &tilted, mine / best);
-        if (tilt > 0.0) {
+        note(tilt < 1e-5 ? &flat : &tilted, mine / best);
+        if (tilt > 1e-5) {
             const int deep = nearest_to(truth, corners, points[lowest]);
             note(&with_deepest, mine / best_four(truth, corners, deep));
         }
@@ -1237,19 +1242,18 @@ static void ids_survive_small_motions(void **state)
 }
 
 /* A box on another of its width, of which edges and corners lie on each other: which of them are
- * found is up to noise, their names are not. Moves of `step` on both, in any frame. Twisted by an
- * eighth of a turn there are eight corners, of which two fours are as good as each other: there
- * the deepest decides, so no tilt. */
+ * found is up to noise, their names are not. Moves of `step` on both, in any frame. Twisted there are
+ * up to eight corners, of which two fours may be as good as each other, and which of them is the
+ * deepest is up to noise too. */
 static void shake_stack(uint32_t method, int flush, double step, long *kept, long *all)
 {
     static const double shifts[4][2] = {{0, 0}, {0.25, 0}, {0, -0.5}, {0.5, 0.5}};
-    static const double turns[3] = {0.0, 0.5, 1.0};
+    const double turns[4] = {0.0, 0.5, 1.0, between(0.02, 0.98)};
     const tribo_collide_options options = {sizeof options, method, 0, 0, 1e-3};
     const double wide = between(0.3, 2.0);
     const tribo_shape box = make(TRIBO_SHAPE_BOX, 0.5 * wide, 0.5 * wide, 0.5);
-    const double *shift = shifts[flush % 3 == 1 ? 0 : flush / 3 % 4];
-    const double turn = 1.5707963267948966 * turns[flush % 3];
-    const double tilt = flush % 3 == 1 ? 0.0 : step;
+    const double *shift = shifts[flush % 2 != 0 ? 0 : flush / 4 % 4];
+    const double turn = 1.5707963267948966 * turns[flush % 4];
     const int swap = uniform() < 0.5;
     tribo_manifold first = {0};
     double frame[4];
@@ -1265,7 +1269,7 @@ static void shake_stack(uint32_t method, int flush, double step, long *kept, lon
                 turned(at((k == 0 ? shift[0] * wide : 0.0) + step * d[0],
                           (k == 0 ? shift[1] * wide : 0.0) + step * d[1],
                           (k == 0 ? 1.0 - 1e-5 : 0.0) + step * d[2]),
-                       tilt * e[0], tilt * e[1], (k == 0 ? turn : 0.0) + step * e[2]);
+                       step * e[0], step * e[1], (k == 0 ? turn : 0.0) + step * e[2]);
             tribo_quat_rotate(frame, p.position, poses[k].position);
             tribo_quat_multiply(frame, p.orientation, poses[k].orientation);
         }
@@ -1294,7 +1298,7 @@ static void ids_survive_in_stacks(void **state)
         for (int decade = -9; decade <= -6; decade++) {
             long kept = 0;
             long all = 0;
-            for (int flush = 0; flush < 12; flush++) {
+            for (int flush = 0; flush < 16; flush++) {
                 for (int i = 0; i < 20; i++) {
                     shake_stack(method, flush, pow(10.0, decade), &kept, &all);
                 }
