@@ -6,7 +6,7 @@
 
 #define MAX_BODIES 0x40000000u
 #define LEAST_CAPACITY 16u
-#define SLACK 0.0625 /* of the radius: so far a body moves before the tree is changed */
+#define SLACK 0.03125 /* of the radius: so far a body moves before the tree is changed */
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 

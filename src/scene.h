@@ -70,24 +70,26 @@ struct tribo_scene {
     scene_buffer loads, carriers;
 };
 
-/* What is known of a contact point within one sub-step. */
+/* What is known of a contact point within one sub-step. What all stages look at comes first: it is
+ * one line of the cache. */
 typedef struct scene_trace {
-    tribo_material pair;
-    double frame[9];
-    double rolling, spinning;
-    double start[3];    /* impulse to start from, contact coordinates */
-    double turn[3];     /* the same of the torque */
-    double impact[3];   /* impulse of the impact stage, world axes */
-    double normal;      /* sum of normal impulses */
-    double meets;       /* s from the midpoint on, of a contact that waits for an impact */
-    double belt[3];     /* belt of B less that of A, contact coordinates */
-    double margin;      /* m, so near it is held in any case */
-    double slop;        /* m, overlap that is left alone */
     uint32_t is_active; /* a body of it is awake and dynamic */
     uint32_t is_impact; /* it waits for an impact */
     uint32_t impacts;   /* that it had */
     uint32_t is_held;   /* the contact solve has it */
     uint32_t is_marked; /* its island is the concern of the stage that runs */
+    uint32_t unused;
+    double margin; /* m, so near it is held in any case */
+    double slop;   /* m, overlap that is left alone */
+    double normal; /* sum of normal impulses */
+    double meets;  /* s from the midpoint on, of a contact that waits for an impact */
+    double rolling, spinning;
+    tribo_material pair;
+    double frame[9];
+    double start[3];  /* impulse to start from, contact coordinates */
+    double turn[3];   /* the same of the torque */
+    double impact[3]; /* impulse of the impact stage, world axes */
+    double belt[3];   /* belt of B less that of A, contact coordinates */
 } scene_trace;
 
 /* One call of tribo_scene_step. */
@@ -100,6 +102,7 @@ typedef struct scene_run {
     uint32_t events_from, events_to;
     uint32_t may_sleep; /* some body sleeps, or may */
     uint32_t resists;   /* some contact has a length of resistance */
+    uint32_t bounces;   /* some contact has restitution */
 } scene_run;
 
 static inline scene_slot *scene_slots(const tribo_scene *s)
@@ -132,6 +135,12 @@ static inline int scene_moves(const tribo_body *body)
     const double *v = body->velocity;
     const double *w = body->angular_velocity;
     return v[0] != 0.0 || v[1] != 0.0 || v[2] != 0.0 || w[0] != 0.0 || w[1] != 0.0 || w[2] != 0.0;
+}
+
+/* Whether one more object fits behind `count` of them. */
+static inline int scene_has_room(const scene_buffer *buffer, size_t count, size_t size)
+{
+    return (count + 1) * size <= buffer->bytes;
 }
 
 /* scene.c */

@@ -221,8 +221,11 @@ static tribo_status keep_point(scene_run *run, const tribo_scene_contact *c,
     if (to->count == INT32_MAX) {
         return TRIBO_ERROR_CAPACITY;
     }
-    tribo_status status = scene_grow(s, &to->buffer, to->count, to->count + 1, sizeof *c);
-    if (status == TRIBO_OK) {
+    tribo_status status = TRIBO_OK;
+    if (!scene_has_room(&to->buffer, to->count, sizeof *c)) {
+        status = scene_grow(s, &to->buffer, to->count, to->count + 1, sizeof *c);
+    }
+    if (status == TRIBO_OK && !scene_has_room(&s->traces, to->count, sizeof(scene_trace))) {
         status = scene_grow(s, &s->traces, to->count, to->count + 1, sizeof(scene_trace));
     }
     if (status != TRIBO_OK) {
@@ -237,6 +240,7 @@ static tribo_status keep_point(scene_run *run, const tribo_scene_contact *c,
     tribo_mat3_apply(trace->frame, recalled, trace->start);
     tribo_mat3_apply(trace->frame, recalled + 3, trace->turn);
     run->resists |= trace->rolling > 0.0 || trace->spinning > 0.0 ? 1u : 0u;
+    run->bounces |= trace->pair.e > 0.0 ? 1u : 0u;
     return TRIBO_OK;
 }
 

@@ -34,8 +34,10 @@ static int sum_pair(const scene_run *run, size_t *at, tribo_scene_event *event)
 
 static tribo_status put(tribo_scene *s, scene_points *list, const tribo_scene_event *event)
 {
-    const tribo_status status =
-        scene_grow(s, &list->buffer, list->count, list->count + 1, sizeof *event);
+    tribo_status status = TRIBO_OK;
+    if (!scene_has_room(&list->buffer, list->count, sizeof *event)) {
+        status = scene_grow(s, &list->buffer, list->count, list->count + 1, sizeof *event);
+    }
     if (status == TRIBO_OK) {
         scene_event_list(list)[list->count++] = *event;
     }

@@ -247,7 +247,7 @@ static size_t find_impacts(scene_run *run)
     const size_t count = run->scene->points[run->points_to].count;
     size_t due = 0;
     size_t found = 0;
-    if (run->options.skip & TRIBO_SKIP_RESTITUTION) {
+    if (run->bounces == 0 || (run->options.skip & TRIBO_SKIP_RESTITUTION)) {
         return 0;
     }
     for (size_t i = 0; i < count; i++) {
@@ -405,20 +405,50 @@ static size_t hold_more(scene_run *run)
     return more;
 }
 
-static void hold_near(scene_run *run)
+static int is_near(const scene_run *run, size_t i)
 {
-    const size_t count = run->scene->points[run->points_to].count;
-    for (size_t i = 0; i < count; i++) {
-        scene_trace *trace = trace_at(run, i);
-        trace->is_held = trace->is_active != 0 && trace->is_impact == 0 &&
-                                 point_at(run, i)->distance <= trace->margin
-                             ? 1
-                             : 0;
+    return point_at(run, i)->distance <= trace_at(run, i)->margin;
+}
+
+/* Old impulses, or none. */
+static void prepare_start(const scene_run *run, scene_trace *trace)
+{
+    const int wanted = (run->options.skip & TRIBO_SKIP_WARM_START) == 0;
+    if (!wanted || !(trace->start[0] > 0.0)) {
+        memset(trace->start, 0, sizeof trace->start);
+        memset(trace->turn, 0, sizeof trace->turn);
     }
 }
 
+/* Hold what is near and what surfaces would pass through. Returns how many others there are. */
+static size_t hold_first(scene_run *run)
+{
+    const size_t count = run->scene->points[run->points_to].count;
+    size_t loose = 0;
+    for (size_t i = 0; i < count; i++) {
+        scene_trace *trace = trace_at(run, i);
+        if (trace->is_active == 0) {
+            continue;
+        }
+        prepare_start(run, trace);
+        const int can_hold = trace->is_impact == 0;
+        const int is_held = can_hold && (is_near(run, i) || distance_then(run, i) < -trace->slop);
+        trace->is_held = is_held ? 1 : 0;
+        loose += can_hold && !is_held ? 1 : 0;
+        run->info.matched += is_held && trace->start[0] > 0.0 ? 1 : 0;
+    }
+    return loose;
+}
+
+static void count_row(scene_run *run, const tribo_system_contact *row)
+{
+    run->info.contacts++;
+    run->info.frictionless += row->dimension == 1;
+    run->info.resisting += row->rolling > 0.0 || row->spinning > 0.0;
+}
+
 /* Rows of the contacts that are held, with impulses to start from. Returns their number. */
-static size_t lay_contacts(scene_run *run)
+static size_t lay_contacts(scene_run *run, int is_first)
 {
     tribo_scene *s = run->scene;
     const size_t count = s->points[run->points_to].count;
@@ -431,6 +461,9 @@ static size_t lay_contacts(scene_run *run)
         }
         tribo_system_contact *row = lay_row(run, rows++, i);
         const double gap = point_at(run, i)->distance;
+        if (is_first) {
+            count_row(run, row);
+        }
         row->target[0] = gap > CLOSED * trace->slop ? -gap / run->h : 0.0;
         for (int k = 0; k < 3; k++) {
             const int has = trace->start[0] > 0.0 && (k == 0 || row->dimension == 3);
@@ -457,20 +490,6 @@ static int is_needed(const scene_run *run)
     return 0;
 }
 
-/* Old impulses, or none. */
-static void prepare_starts(scene_run *run)
-{
-    const size_t count = run->scene->points[run->points_to].count;
-    const int wanted = (run->options.skip & TRIBO_SKIP_WARM_START) == 0;
-    for (size_t i = 0; i < count; i++) {
-        scene_trace *trace = trace_at(run, i);
-        if (trace->is_active != 0 && (!wanted || !(trace->start[0] > 0.0))) {
-            memset(trace->start, 0, sizeof trace->start);
-            memset(trace->turn, 0, sizeof trace->turn);
-        }
-    }
-}
-
 static void take_contacts(scene_run *run, size_t rows)
 {
     const double *impulses = run->scene->impulses.data;
@@ -486,34 +505,17 @@ static void take_contacts(scene_run *run, size_t rows)
 
 static void keep_impulses(scene_run *run, size_t rows)
 {
+    const double *impulses = run->scene->impulses.data;
+    const double *torques = run->scene->torques.data;
     for (size_t i = 0; i < rows; i++) {
         const uint32_t at = pick_at(run, i);
         scene_trace *trace = trace_at(run, at);
         tribo_scene_contact *c = scene_list(&run->scene->points[run->points_to]) + at;
-        to_world(trace, trace->start, c->impulse);
+        to_world(trace, impulses + 3 * i, c->impulse);
         if (resists(trace)) {
-            to_world(trace, trace->turn, c->torque);
+            to_world(trace, torques + 3 * i, c->torque);
         }
-        trace->normal += trace->start[0];
-    }
-}
-
-static void count_contacts(scene_run *run, size_t rows)
-{
-    const tribo_system_contact *row = run->scene->rows.data;
-    run->info.contact_solves++;
-    run->info.contacts += rows;
-    for (size_t i = 0; i < rows; i++) {
-        run->info.frictionless += row[i].dimension == 1;
-        run->info.resisting += row[i].rolling > 0.0 || row[i].spinning > 0.0;
-    }
-}
-
-static void count_matched(scene_run *run)
-{
-    const size_t count = run->scene->points[run->points_to].count;
-    for (size_t i = 0; i < count; i++) {
-        run->info.matched += trace_at(run, i)->is_held != 0 && trace_at(run, i)->start[0] > 0.0;
+        trace->normal += impulses[3 * i];
     }
 }
 
@@ -537,32 +539,44 @@ static int is_driven(const scene_run *run, size_t rows)
     return 0;
 }
 
+static tribo_status add_energy(const tribo_body *body, double *sum)
+{
+    double spin[3];
+    double momentum[3];
+    const tribo_status status = tribo_body_spin(body, spin);
+    if (status == TRIBO_OK && body->inverse_mass > 0.0) {
+        tribo_vec3_scale(1.0 / body->inverse_mass, body->velocity, momentum);
+        *sum += 0.5 * (tribo_vec3_dot(momentum, body->velocity) +
+                       tribo_vec3_dot(spin, body->angular_velocity));
+    }
+    return status;
+}
+
 /* The greatest share of the impulses that does not raise kinetic energy, T0 + k a + k^2 b. `still`
- * has the velocities before them, and gets what they change. */
+ * has the velocities before them, and gets what they change where that is less than 1. */
 static tribo_status find_share(const scene_run *run, tribo_body *still, double *share)
 {
-    static const double origin[3] = {0.0, 0.0, 0.0};
     const tribo_scene *s = run->scene;
-    tribo_totals before;
-    tribo_totals after;
-    tribo_totals change;
-    tribo_status status = tribo_audit_bodies(s->end, still, origin, &before);
-    if (status == TRIBO_OK) {
-        status = tribo_audit_bodies(s->end, scene_bodies(s), origin, &after);
+    const tribo_body *bodies = scene_bodies(s);
+    double before = 0.0;
+    double after = 0.0;
+    double change = 0.0;
+    tribo_status status = TRIBO_OK;
+    for (uint32_t i = 0; status == TRIBO_OK && i < s->end; i++) {
+        status = add_energy(&still[i], &before);
+        status = status == TRIBO_OK ? add_energy(&bodies[i], &after) : status;
     }
-    for (uint32_t i = 0; i < s->end; i++) {
-        const tribo_body *body = &scene_bodies(s)[i];
-        tribo_vec3_subtract(body->velocity, still[i].velocity, still[i].velocity);
-        tribo_vec3_subtract(body->angular_velocity, still[i].angular_velocity,
+    if (status != TRIBO_OK || !(after > before)) {
+        return status;
+    }
+    for (uint32_t i = 0; status == TRIBO_OK && i < s->end; i++) {
+        tribo_vec3_subtract(bodies[i].velocity, still[i].velocity, still[i].velocity);
+        tribo_vec3_subtract(bodies[i].angular_velocity, still[i].angular_velocity,
                             still[i].angular_velocity);
+        status = add_energy(&still[i], &change);
     }
-    if (status == TRIBO_OK) {
-        status = tribo_audit_bodies(s->end, still, origin, &change);
-    }
-    if (status == TRIBO_OK && after.energy > before.energy) {
-        const double a = after.energy - before.energy - change.energy;
-        *share = lesser(greater(-a / change.energy, 0.0), 1.0);
-    }
+    const double a = after - before - change;
+    *share = lesser(greater(-a / change, 0.0), 1.0);
     return status;
 }
 
@@ -590,12 +604,12 @@ static tribo_status hold_energy(scene_run *run, size_t rows)
             torques[i] *= share;
         }
     }
-    take_contacts(run, rows);
     return TRIBO_OK;
 }
 
-/* What one solve sends through a surface that was far is held by the next. */
-static tribo_status solve_held(scene_run *run)
+/* What one solve sends through a surface that was far is held by the next. loose: contacts that are
+ * not held. */
+static tribo_status solve_held(scene_run *run, size_t loose)
 {
     tribo_scene *s = run->scene;
     tribo_system_info info = {.struct_size = UP_TO_ETA, .restitution = 1.0};
@@ -603,16 +617,15 @@ static tribo_status solve_held(scene_run *run)
     size_t rows = 0;
     size_t more = 1;
     for (int pass = 0; status == TRIBO_OK && more > 0 && pass < MAX_PASSES; pass++) {
-        rows = lay_contacts(run);
-        if (pass == 0) {
-            count_contacts(run, rows);
-        }
+        rows = lay_contacts(run, pass == 0);
         const tribo_system_options by = asked(run, 1);
         status = solve(run, rows, s->still.data, &by, &info);
         if (status == TRIBO_OK) {
             give_velocities(run, rows);
+            more = loose > 0 ? hold_more(run) : 0;
+        }
+        if (more > 0) {
             take_contacts(run, rows);
-            more = hold_more(run);
         }
     }
     if (status == TRIBO_OK && info.stop != TRIBO_STOP_TOLERANCE && !is_driven(run, rows)) {
@@ -639,12 +652,10 @@ tribo_status scene_solve_contacts(scene_run *run)
         return status;
     }
     memcpy(s->still.data, s->bodies.data, s->end * sizeof(tribo_body));
-    prepare_starts(run);
-    hold_near(run);
-    hold_more(run);
-    count_matched(run);
+    run->info.contact_solves++;
+    const size_t loose = hold_first(run);
     status = scene_carry_weight(run);
-    return status == TRIBO_OK ? solve_held(run) : status;
+    return status == TRIBO_OK ? solve_held(run, loose) : status;
 }
 
 /* ---- moving apart what overlaps -------------------------------------------------------------- */
