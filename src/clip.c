@@ -651,30 +651,31 @@ static int is_same(const double a[3], const double b[3], double reach)
 /* ---- the axis and the faces ----------------------------------------------------------------- */
 
 /* Where a face of either shape looks along the axis nearly, its normal is exact and the axis has
- * noise that a large face turns into depth: take it unless it is worse. Returns the face's side, or
- * -1. */
+ * noise that a large face turns into depth: take it unless it is worse, or the axis is it already.
+ * Returns the face's side, or -1. */
 static int snap(const pair_query *query, const pair_face faces[2], pair_axis *axis)
 {
     int best = -1;
+    pair_axis face[2];
     const pair_axis given = *axis;
     for (int side = 0; side < 2; side++) {
-        const double sign = side == 0 ? -1.0 : 1.0;
-        const double *n = faces[side].normal;
-        if (faces[side].count < 3 || !(sign * tribo_vec3_dot(n, given.normal) > SNAP_ANGLE)) {
+        tribo_vec3_scale(side == 0 ? -1.0 : 1.0, faces[side].normal, face[side].normal);
+        if (faces[side].count >= 3 && is_same(face[side].normal, given.normal, 4.0 * TRIBO_EPS)) {
+            memcpy(axis->normal, face[side].normal, sizeof axis->normal);
+            return side;
+        }
+    }
+    for (int side = 0; side < 2; side++) {
+        double rounding;
+        if (faces[side].count < 3 ||
+            !(tribo_vec3_dot(face[side].normal, given.normal) > SNAP_ANGLE) ||
+            !clip_distance(query, face[side].normal, &face[side].distance, &rounding)) {
             continue;
         }
-        pair_axis face;
-        double rounding = 0.0;
-        tribo_vec3_scale(sign, n, face.normal);
-        face.distance = given.distance;
-        if (!is_same(face.normal, given.normal, 4.0 * TRIBO_EPS) &&
-            !clip_distance(query, face.normal, &face.distance, &rounding)) {
-            continue;
-        }
-        const double gain = face.distance - axis->distance;
+        const double gain = face[side].distance - axis->distance;
         const double slack = SNAP_WIDTH * absolute(axis->distance) + rounding;
         if (best < 0 ? gain >= -slack : gain > slack) {
-            *axis = face;
+            *axis = face[side];
             best = side;
         }
     }

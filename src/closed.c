@@ -345,7 +345,7 @@ typedef struct plane {
     double level; /* n . x on the plane; origin at A */
 } plane;
 
-static void take_plane(const pair_query *query, plane *out)
+TRIBO_ALWAYS_INLINE void take_plane(const pair_query *query, plane *out)
 {
     const double *size = query->b->size;
     if (query->upright) {
@@ -484,7 +484,8 @@ TRIBO_ALWAYS_INLINE uint32_t write_corners(int turned, const pair_query *query,
 }
 
 /* The lowest face: it holds the deepest corner. */
-static tribo_status box_plane(const pair_query *query, const plane *p, tribo_manifold *out)
+TRIBO_ALWAYS_INLINE tribo_status box_plane(const pair_query *query, const plane *p,
+                                           tribo_manifold *out)
 {
     double corners[12];
     double down[3];
@@ -999,6 +1000,14 @@ TRIBO_NEVER_INLINE tribo_status two_solids(const pair_query *query, tribo_manifo
         sphere_box(query, out);
     }
     return clip_check(out);
+}
+
+void closed_on_ground(const pair_query *query, tribo_manifold *out)
+{
+    plane p;
+    take_plane(query, &p);
+    (void)box_plane(query, &p, out);
+    out->method = TRIBO_METHOD_CLOSED;
 }
 
 tribo_status closed_manifold(const pair_query *query, tribo_manifold *out)

@@ -252,6 +252,13 @@ static tribo_status take_pair(const tribo_shape *shape_a, const tribo_pose *pose
     return well ? TRIBO_OK : check_pair(shape_a, pose_a, shape_b, pose_b);
 }
 
+/* A box on the ground, the most frequent of all pairs, goes the shortest way. */
+TRIBO_ALWAYS_INLINE int is_on_ground(const pair_query *query, uint32_t method)
+{
+    return query->safe && query->a->type == TRIBO_SHAPE_BOX &&
+           query->b->type == TRIBO_SHAPE_HALFSPACE && method != TRIBO_METHOD_GENERAL;
+}
+
 /* ---- parts ---------------------------------------------------------------------------------- */
 
 /* Manifolds in the order of their children. Beyond the capacity they are only counted. */
@@ -785,6 +792,13 @@ tribo_status tribo_collide_shapes(const tribo_shape *shape_a, const tribo_pose *
     if (status != TRIBO_OK) {
         return status;
     }
+    if (capacity > 0 && is_on_ground(&query, known.method)) {
+        closed_on_ground(&query, manifolds);
+        *count = manifolds->count > 0 ? 1 : 0;
+        full.closed = 1;
+        give_info(info, &full);
+        return TRIBO_OK;
+    }
     status = is_simple(shape_a) && is_simple(shape_b)
                  ? collide_simple(&query, known.method, capacity, manifolds, count, &full)
                  : collide_parts(&query, known.method, capacity, manifolds, count, &full);
@@ -814,6 +828,11 @@ static tribo_status batch_pair(uint32_t shape_count, const tribo_shape *shapes,
     }
     if (status != TRIBO_OK) {
         return status;
+    }
+    if (is_on_ground(&query, options->method)) {
+        closed_on_ground(&query, out);
+        info->closed++;
+        return TRIBO_OK;
     }
     if (query.safe && options->method != TRIBO_METHOD_GENERAL) {
         return touch(&query, options->method, out, info);

@@ -209,4 +209,7 @@ TRIBO_ALWAYS_INLINE int closed_exists(uint32_t type_a, uint32_t type_b)
  * TRIBO_ERROR_RANGE if a number overflowed. */
 tribo_status closed_manifold(const pair_query *query, tribo_manifold *out);
 
+/* closed.c: manifold of a box A and a half-space B of usual size. */
+void closed_on_ground(const pair_query *query, tribo_manifold *out);
+
 #endif
