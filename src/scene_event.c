@@ -27,7 +27,9 @@ static int sum_pair(const scene_run *run, size_t *at, tribo_scene_event *event)
         event->impacts += trace->impacts;
         event->normal += trace->normal;
         tribo_vec3_add(event->impulse, c->impulse, event->impulse);
-        tribo_vec3_add(event->impulse, trace->impact, event->impulse);
+        if (run->bounces != 0) {
+            tribo_vec3_add(event->impulse, trace->impact, event->impulse);
+        }
     }
     return touch;
 }

@@ -277,6 +277,16 @@ static int is_within(size_t body_count, const tribo_system_contact *c)
     return (c->a == TRIBO_WORLD || c->a < body_count) && (c->b == TRIBO_WORLD || c->b < body_count);
 }
 
+static tribo_status judge_ends(size_t body_count, size_t count,
+                               const tribo_system_contact *contacts)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (!is_within(body_count, &contacts[i]))
+            return TRIBO_ERROR_INDEX;
+    }
+    return TRIBO_OK;
+}
+
 /* Whether a contact passes a torque. */
 static int resists(const tribo_system_contact *c)
 {
@@ -799,8 +809,8 @@ tribo_status tribo_system_workspace_size(size_t body_count, size_t count,
     tribo_status status = read_options(options, &o);
     if (status == TRIBO_OK)
         status = plan_bodies(&p, &counting, body_count, count, contacts, &o, &needed);
-    for (size_t i = 0; status == TRIBO_OK && i < count; i++)
-        status = is_within(body_count, &contacts[i]) ? TRIBO_OK : TRIBO_ERROR_INDEX;
+    if (status == TRIBO_OK)
+        status = judge_ends(body_count, count, contacts);
     if (status == TRIBO_OK)
         *size = needed;
     return status;
@@ -941,12 +951,13 @@ tribo_status tribo_system_solve(size_t body_count, const tribo_body *bodies, siz
     if (status == TRIBO_OK)
         status = read_options(options, &o);
     if (status == TRIBO_OK)
-        status = tribo_system_workspace_size(body_count, count, contacts, options, &needed);
+        status = plan_bodies(&p, &places, body_count, count, contacts, &o, &needed);
+    if (status == TRIBO_OK)
+        status = judge_ends(body_count, count, contacts);
     if (status == TRIBO_OK)
         status = judge_place(&o, workspace, size, needed);
     if (status != TRIBO_OK)
         return status;
-    plan_bodies(&p, &places, body_count, count, contacts, &o, &needed);
     p.told = told_size(info);
     p.is_brief =
         !is_told(&p, offsetof(tribo_system_info, eta_rms)) && o.measure == TRIBO_MEASURE_ETA;
