@@ -1,6 +1,10 @@
 /* MuJoCo in time: Newton's solver with pyramids, as it comes, and with elliptic cones, at the ratio
  * of impedances of friction and normal that it has by default and at 100, which creeps less. One
- * thread, warm starts, no sleep, Euler's integrator; contacts as soft as they come. */
+ * thread, warm starts, no sleep, Euler's integrator; contacts as soft as they come.
+ *
+ * Its convex relaxation of Coulomb's law lifts what slides: a cube at 5 m/s hops, turns and tumbles.
+ * A box a fifth as high hops and does not turn; it stops within 0.4 % of its way, which is what
+ * Euler's rule leaves. */
 #include "engine.h"
 
 #include <mujoco/mujoco.h>
