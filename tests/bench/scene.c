@@ -8,8 +8,8 @@
  * one thread, without sleep, with warm starts if it has them (ODE has none), and are judged by the
  * same code from where the bodies are. How near surfaces are contacts is left as it comes: 1/64 of
  * the lesser radius in tribo, 2 cm in Bullet and Box3D, none in ODE and MuJoCo. The time is that of
- * the thread, per step, collision included, the least of repetitions for 0.2 s. Beside the error of
- * the scene:
+ * the thread, per step, collision included, the least of repetitions for 0.2 s, in rounds in which
+ * engines take turns. Beside the error of the scene:
  *
  *   overlap  the deepest at the end, m, as tribo's collision finds it
  *   eta      how far impulses and velocities are from Coulomb's law, by the certificate of tribo's
@@ -44,7 +44,7 @@
 #include "peers/engine.h"
 #include "peers/load.h"
 
-enum { ENGINES = 48, RUNS = 3, LOOK = 40, LOOKS = 128 };
+enum { ENGINES = 48, RUNS = 3, ROUNDS = 3, LOOK = 40, LOOKS = 128 };
 
 static const double gravity = 9.81;
 static const double dt = 1.0 / 240.0;
@@ -654,8 +654,8 @@ typedef struct point {
     int end; /* of the process: LIMIT_... */
 } point;
 
-static const double repeat_seconds = 0.2;
-static const double judging = 60.0; /* s at most */
+static const double repeat_seconds = 0.2 / ROUNDS; /* of a round */
+static const double judging = 60.0;                /* s at most */
 static const rlim_t memory = (rlim_t)8 << 30;
 
 /* The step that is looked at after this one. */
@@ -1011,17 +1011,31 @@ static void print_singles(void)
     printf("%s\n", separator[0] == ',' ? "" : "all in double precision");
 }
 
+/* Whether it is over so soon that it may meet nothing but another program's turn. */
+static int is_short(const task *t, const point *p)
+{
+    return is_whole(p) && 1e-6 * p->us * p->done * t->runs < ROUNDS * repeat_seconds;
+}
+
 static void bench_task(const char *program, const task *t, double seconds)
 {
     static point points[ENGINES];
+    for (int k = 0; k < ROUNDS * engine_count; k++) {
+        point *best = &points[k % engine_count];
+        if (k < engine_count) {
+            *best = run_engine(&engines[k], t, seconds);
+        } else if (is_short(t, best)) {
+            const point again = run_engine(&engines[k % engine_count], t, seconds);
+            best->us = is_whole(&again) ? fmin(best->us, again.us) : best->us;
+        }
+    }
     print_head(t);
     for (int k = 0; k < engine_count; k++) {
-        points[k] = run_engine(&engines[k], t, seconds);
         print_point(&engines[k], t, &points[k], seconds);
-        (void)fflush(stdout);
     }
     print_verdict(points);
     plot(program, t, points);
+    (void)fflush(stdout);
 }
 
 int main(int argc, char **argv)
