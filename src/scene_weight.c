@@ -12,7 +12,6 @@
 #define ROUNDS 4    /* of one body: points that would pull are left out in the next */
 #define HINT 1e-9   /* of the greatest moment of points, against axes that have none */
 #define EXACT 1e-8  /* of the forces' impulses: balanced */
-#define FAST 16.0   /* times what forces give in a sub-step: faster does not come to rest */
 #define NEARER 0.25 /* of the energy that the old impulses leave: what rolls is not to be braked */
 #define NOBODY UINT32_MAX
 
@@ -147,6 +146,18 @@ static void add_energies(carrying *w, int which)
     }
 }
 
+/* Whether some island is not at rest by what it carries already. */
+static int is_unbalanced(const carrying *w)
+{
+    for (uint32_t i = 0; i < w->run->scene->end; i++) {
+        const double *e = w->energies + 3 * (size_t)i;
+        if (e[1] > EXACT * EXACT * e[0]) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
 /* Islands that a belt or a body that moves by itself drives do not come to rest. */
 static void mark_driven(carrying *w)
 {
@@ -165,17 +176,6 @@ static void mark_driven(carrying *w)
 
 /* ---- who rests on whom ----------------------------------------------------------------------- */
 
-/* Whether a body may come to rest in this sub-step. */
-static int is_slow(const carrying *w, uint32_t i)
-{
-    const tribo_scene *s = w->run->scene;
-    const tribo_body *body = &scene_bodies(s)[i];
-    const double *kick = (const double *)s->kicks.data + 6 * (size_t)i;
-    const double turn = tribo_vec3_norm(body->angular_velocity);
-    return tribo_vec3_norm(body->velocity) + turn * scene_slots(s)[i].radius <=
-           FAST * tribo_vec3_norm(kick);
-}
-
 /* How far surfaces may be apart: for sweeps, so far as forces bring them together in a sub-step;
  * corners that are just open take part, or else a body would be left without its feet. */
 static double gap_of(const carrying *w, const scene_trace *trace, uint32_t body)
@@ -184,7 +184,7 @@ static double gap_of(const carrying *w, const scene_trace *trace, uint32_t body)
     return is_swept(w) ? trace->slop + w->run->h * tribo_vec3_norm(kick) : trace->slop;
 }
 
-/* The body that a point carries: closed, slow, and not beside it. */
+/* The body that a point carries: closed, and not beside it. */
 static uint32_t find_upper(const carrying *w, size_t i)
 {
     const uint32_t *parents = w->run->scene->parents.data;
@@ -195,10 +195,7 @@ static uint32_t find_upper(const carrying *w, size_t i)
     if (trace->is_held == 0 || !is_movable(w, body) || !(lean > LEAN || lean < -LEAN)) {
         return NOBODY;
     }
-    return c->distance <= gap_of(w, trace, body) && w->driven[parents[body]] == 0 &&
-                   is_slow(w, body)
-               ? body
-               : NOBODY;
+    return c->distance <= gap_of(w, trace, body) && w->driven[parents[body]] == 0 ? body : NOBODY;
 }
 
 static uint32_t lower_of(const carrying *w, size_t i)
@@ -497,8 +494,11 @@ tribo_status scene_carry_weight(scene_run *run)
     load_bodies(&w);
     add_energies(&w, 0);
     load_points(&w);
-    mark_driven(&w);
     add_energies(&w, 1);
+    if (!is_unbalanced(&w)) {
+        return TRIBO_OK;
+    }
+    mark_driven(&w);
     sort_points(&w);
     carry_all(&w);
     add_energies(&w, 2);

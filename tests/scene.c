@@ -544,6 +544,28 @@ static void test_tower_comes_to_rest_by_few_sweeps(void **state)
     tribo_scene_destroy(scene);
 }
 
+/* A thousand kilogrammes fall onto one by 1 m; what has sunk in when they meet is all that does. */
+static void test_heavy_box_is_stopped_by_few_sweeps(void **state)
+{
+    const tribo_step_options options = {.struct_size = sizeof options,
+                                        .max_iterations = 4,
+                                        .solver = TRIBO_SOLVER_GAUSS_SEIDEL,
+                                        .tolerance = 1e-6};
+    tribo_scene *scene = make_scene(0.0, -G, 0);
+    tribo_scene_body light = box_of(1.0, 0.5, 0.5, 0.5, 0.5, 0.0);
+    tribo_scene_body heavy = box_of(1000.0, 0.5, 0.5, 0.5, 0.5, 0.0);
+    (void)state;
+    add_floor(scene, 0.5, 0.0);
+    add_at(scene, &light, 0.0, 0.0, 0.5);
+    const uint32_t id = add_at(scene, &heavy, 0.0, 0.0, 2.5);
+    run(scene, 1.0 / 240.0, 480, &options);
+    const tribo_body end = state_of(scene, id);
+    within(fabs(end.position[2] - 1.5), 5e-3);
+    within(tribo_vec3_norm(end.velocity), 1e-9);
+    settle("1000 kg on 1 kg by 4 sweeps");
+    tribo_scene_destroy(scene);
+}
+
 /* ---- events ---------------------------------------------------------------------------------- */
 
 static void test_events(void **state)
@@ -927,6 +949,7 @@ int main(void)
         TEST(test_warm_start),
         TEST(test_rest_needs_no_solver),
         TEST(test_tower_comes_to_rest_by_few_sweeps),
+        TEST(test_heavy_box_is_stopped_by_few_sweeps),
         TEST(test_events),
         TEST(test_contacts),
         TEST(test_saved_state_goes_on_to_the_bit),
