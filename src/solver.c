@@ -15,7 +15,16 @@
 /* A contact within this share of its cone stands on it. */
 #define EDGE 1e-9
 /* Newton steps of the first turn. */
-#define FIRST_TURN 64
+#define FIRST_TURN 32
+/* Price of a Newton step, in sweeps, from which the interior method goes first where the system
+ * seems to stand: its matrices are symmetric, and Newton's first turn would cost more. From a start
+ * Newton goes first: what it finds is near. */
+#define DEAR 200.0
+/* Newton steps' worth of sweeps that leap before Newton's first turn, where they are so dear. */
+#define FIRST_LEAPS 8.0
+/* Rounds of the interior method, if each brings the distance down by so much. */
+#define MOST_ROUNDS 4
+#define ROUND_GAIN 0.3
 
 double solver_now(const tribo_system_options *options)
 {
@@ -84,31 +93,46 @@ static int is_far_off(const solver *s, const goal *wanted, double change, double
            change > FAR_OFF * wanted->tolerance;
 }
 
+/* Returns by how much the sweeps still changed contacts. */
+static double sweep_batch(solver *s, sweep *sweeps, uint32_t count, anderson *leaps, double *r)
+{
+    const tribo_system_options *o = s->options;
+
+    if (leaps != NULL)
+        anderson_hold(leaps, r);
+    const double change = sweep_run(sweeps, count, r, NULL, o->parallel, o->user, o->tasks);
+    if (leaps != NULL)
+        anderson_leap(leaps, r);
+    return change;
+}
+
 /* Sweep until the goal is met, `most` sweeps are done, or - if `hope` is given - more than that
- * many would be missing at the rate seen. Keeps the best r, judged as `start` before; returns its
- * verdict. s->dv is that of r. */
-static verdict sweep_until(solver *s, const system_problem *p, const goal *wanted, uint64_t most,
-                           double hope, verdict start, double *r, uint64_t *done)
+ * many would be missing at the rate seen. `leaps` may be null. r was judged as `here`; `held` keeps
+ * the best r so far, which `least` judges. Returns the last verdict. */
+static verdict sweep_on(solver *s, const system_problem *p, const goal *wanted, uint64_t most,
+                        double hope, anderson *leaps, verdict here, verdict *least, double *r,
+                        uint64_t *done)
 {
     const tribo_system_options *o = s->options;
     sweep *sweeps = sweep_prepare(p, o->isa, s->sweep_memory);
-    verdict least = start;
-    verdict here = start;
     uint32_t batch = o->warm_start != 0 ? WARM_SWEEPS : FIRST_SWEEPS;
-    double before = least.distance;
+    double before = here.distance;
 
-    copy(3 * (size_t)p->count, r, s->held);
-    while (least.distance > 1.0 && *done < most && halt(s) == 0) {
+    if (leaps != NULL) {
+        anderson_resume(leaps);
+        batch = ANDERSON_BATCH;
+    }
+    while (least->distance > 1.0 && *done < most && halt(s) == 0) {
         const uint32_t now = most - *done < batch ? (uint32_t)(most - *done) : batch;
-        const double change = sweep_run(sweeps, now, r, NULL, o->parallel, o->user, o->tasks);
+        const double change = sweep_batch(s, sweeps, now, leaps, r);
         *done += now;
-        batch = batch < 1024 ? 2 * batch : batch;
+        batch = leaps == NULL && batch < 1024 ? 2 * batch : batch;
         if (is_far_off(s, wanted, change, hope, *done, most))
             continue;
         here = judge(s, p, wanted, r);
-        s->is_current = is_better(here, least) ? 1 : 0;
+        s->is_current = is_better(here, *least) ? 1 : 0;
         if (s->is_current != 0) {
-            least = here;
+            *least = here;
             copy(3 * (size_t)p->count, r, s->held);
         }
         if (here.distance > 1.0 && hope > 0.0 &&
@@ -116,22 +140,101 @@ static verdict sweep_until(solver *s, const system_problem *p, const goal *wante
             break;
         before = here.distance;
     }
-    s->growth = growth_of(s, p, wanted, here, r);
+    return here;
+}
+
+/* The same from r, judged as `start` before, which receives the best; returns its verdict. s->dv is
+ * that of r. */
+static verdict sweep_from(solver *s, const system_problem *p, const goal *wanted, uint64_t most,
+                          double hope, anderson *leaps, verdict start, double *r, uint64_t *done)
+{
+    verdict least = start;
+
+    copy(3 * (size_t)p->count, r, s->held);
+    const verdict last = sweep_on(s, p, wanted, most, hope, leaps, start, &least, r, done);
+    s->growth = growth_of(s, p, wanted, last, r);
     copy(3 * (size_t)p->count, s->held, r);
     return least;
 }
 
 /* ---- one component, one coefficient per contact ---------------------------------------------- */
 
-static double run_newton(solver *s, uint64_t steps, double *r)
+static void note_run(solver *s)
 {
-    const double distance = newton_continue(s->newton, &s->run, steps, r);
     s->growth = s->run.growth;
     s->info->steps = s->run.steps;
     s->info->factorizations = s->run.factorizations;
     if (s->run.status != TRIBO_OK)
         s->status = s->run.status;
+}
+
+static double run_newton(solver *s, uint64_t steps, double *r)
+{
+    const double distance = newton_continue(s->newton, &s->run, steps, r);
+    note_run(s);
     return distance;
+}
+
+/* Rounds of the interior method, from r = the best so far. */
+static double run_interior(solver *s, const system_problem *p, const goal *wanted, double *r)
+{
+    double distance = judge(s, p, wanted, r).distance;
+    const double first = distance;
+    double before = HUGE_VAL;
+
+    interior_start(s->newton);
+    for (int i = 0; i < MOST_ROUNDS && distance > 1.0 && distance < ROUND_GAIN * before; i++) {
+        before = distance;
+        distance = interior_round(s->newton, &s->run, r);
+        note_run(s);
+    }
+    if (distance > 1.0 && distance < ROUND_GAIN * first)
+        newton_start(s->newton, p, wanted, &s->run, r);
+    return distance;
+}
+
+static double friction_of(const double r[3])
+{
+    return sqrt(r[1] * r[1] + r[2] * r[2]);
+}
+
+/* 1 if the system rather stands, by what sweeps have made of it: they have taken most of the slip
+ * away, and fewer than half of the closed contacts are on their cones. Returns 0 without sweeps. */
+static int stands(solver *s, const system_problem *p, const double *swept)
+{
+    size_t closed = 0;
+    size_t on_cones = 0;
+    double slip = 0.0;
+    double before = 0.0;
+
+    s->is_current = 0;
+    certificate_velocity(p, swept, s->dv, s->u);
+    for (size_t c = 0; c < p->count; c++) {
+        const double bound = p->mu[2 * c] * swept[3 * c];
+        const double *u = s->u + 3 * c;
+        const double *q = p->q + 3 * c;
+        if (!(bound > 0.0))
+            continue;
+        closed++;
+        on_cones += friction_of(swept + 3 * c) >= bound * (1.0 - EDGE) ? 1 : 0;
+        slip += u[1] * u[1] + u[2] * u[2];
+        before += q[0] * q[0] + q[1] * q[1] + q[2] * q[2];
+    }
+    return closed > 0 && 2 * on_cones <= closed && 4.0 * slip <= before;
+}
+
+static int is_zero(size_t count, const double *x)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (x[i] != 0.0)
+            return 0;
+    }
+    return 1;
+}
+
+static int can_go_on(solver *s)
+{
+    return s->status == TRIBO_OK && halt(s) == 0 && s->run.steps < s->run.most_steps;
 }
 
 static void note_stop(solver *s, uint32_t stop)
@@ -149,34 +252,98 @@ static uint32_t reason(const solver *s, int stalled)
     return stalled ? TRIBO_STOP_STALL : TRIBO_STOP_ITERATIONS;
 }
 
-/* Newton; by the automatic choice in turns with Gauss-Seidel, each from where it was, for ever longer
- * turns: the cost is at most about twice that of the better one. `swept` is where the sweeps
- * were. */
-static double take_turns(solver *s, const system_problem *p, const goal *wanted, double price,
-                         double *r, double *swept, uint64_t *sweeps)
+/* Leaps for the sweeps over this problem, or null: there are none with torques. */
+static anderson *leaps_on(solver *s, const system_problem *p)
+{
+    if (s->anderson == NULL || !interior_possible(p))
+        return NULL;
+    anderson_start(s->anderson, p);
+    return s->anderson;
+}
+
+/* The sweeps' side of take_turns. */
+typedef struct turns {
+    const goal *wanted;
+    double price;
+    anderson *leaps;
+    double *swept; /* where the sweeps are; the best of them is in `held`, */
+    verdict least; /* and judged here */
+    uint64_t *sweeps;
+} turns;
+
+/* As many sweeps as take as long as `steps` Newton steps. Returns 1 if they reach the goal: r
+ * receives what they found. */
+static int take_sweeps(solver *s, const system_problem *p, turns *t, double steps, double *r)
+{
+    const double due = t->price * steps;
+    const uint64_t left = s->most - *t->sweeps;
+    const uint64_t most = *t->sweeps + (due < (double)left ? (uint64_t)due : left);
+
+    const verdict start = judge(s, p, t->wanted, t->swept);
+    const verdict last =
+        sweep_on(s, p, t->wanted, most, 0.0, t->leaps, start, &t->least, t->swept, t->sweeps);
+    s->growth = growth_of(s, p, t->wanted, last, t->swept);
+    if (t->least.distance > 1.0)
+        return 0;
+    s->info->solver = TRIBO_SOLVER_GAUSS_SEIDEL;
+    copy(3 * (size_t)p->count, s->held, r);
+    return 1;
+}
+
+/* Newton, with rounds of the interior method once its first turn does not end; by the automatic
+ * choice in turns with sweeps that leap, each from where it was, for ever longer turns: the cost is
+ * at most about twice that of the better one. */
+static double run_turns(solver *s, const system_problem *p, turns *t, double *r)
 {
     const uint32_t alone = s->options->solver == TRIBO_SOLVER_NEWTON;
-    uint64_t turn = alone ? UINT64_MAX : FIRST_TURN;
-    double distance;
+    uint32_t rounds_due = interior_possible(p);
+    uint64_t turn = FIRST_TURN;
 
-    newton_start(s->newton, p, wanted, &s->run, r);
-    for (;;) {
-        s->info->solver = TRIBO_SOLVER_NEWTON;
-        distance = run_newton(s, turn, r);
-        if (distance <= 1.0 || alone || s->status != TRIBO_OK || halt(s) != 0 ||
-            s->run.steps >= s->run.most_steps || newton_stalls(s->newton, &s->run))
-            return distance;
-        const double due = price * (double)turn;
-        const uint64_t left = s->most - *sweeps;
-        const uint64_t most = *sweeps + (due < (double)left ? (uint64_t)due : left);
-        const verdict start = judge(s, p, wanted, swept);
-        if (sweep_until(s, p, wanted, most, 0.0, start, swept, sweeps).distance <= 1.0) {
-            s->info->solver = TRIBO_SOLVER_GAUSS_SEIDEL;
-            copy(3 * (size_t)p->count, swept, r);
-            return 0.0;
+    newton_start(s->newton, p, t->wanted, &s->run, r);
+    if (t->price >= DEAR && !alone && is_zero(3 * (size_t)p->count, r)) {
+        if (rounds_due != 0 && stands(s, p, t->swept)) {
+            if (run_interior(s, p, t->wanted, r) <= 1.0)
+                return 0.0;
+            rounds_due = 0;
         }
-        turn *= 2;
+        if (can_go_on(s) && take_sweeps(s, p, t, FIRST_LEAPS, r))
+            return 0.0;
     }
+    for (;; turn *= 2) {
+        const uint64_t before = s->run.steps;
+        double distance = run_newton(s, turn, r);
+        if (distance > 1.0 && rounds_due != 0 && can_go_on(s)) {
+            distance = run_interior(s, p, t->wanted, r);
+            rounds_due = 0;
+        }
+        if (distance <= 1.0 || !can_go_on(s) || newton_stalls(s->newton, &s->run))
+            return distance;
+        if (!alone && take_sweeps(s, p, t, (double)(s->run.steps - before), r))
+            return 0.0;
+    }
+}
+
+/* `swept` is where sweeps have led, r where Newton starts; r receives the best of all. */
+static double take_turns(solver *s, const system_problem *p, const goal *wanted, double price,
+                         double *swept, uint64_t *sweeps, double *r)
+{
+    turns t = {.wanted = wanted,
+               .price = price,
+               .leaps = leaps_on(s, p),
+               .swept = swept,
+               .sweeps = sweeps};
+
+    t.least = judge(s, p, wanted, swept);
+    copy(3 * (size_t)p->count, swept, s->held);
+    s->info->solver = TRIBO_SOLVER_NEWTON;
+    const double distance = run_turns(s, p, &t, r);
+    if (distance <= 1.0)
+        return distance;
+    if (is_better(t.least, judge(s, p, wanted, r))) {
+        s->info->solver = TRIBO_SOLVER_GAUSS_SEIDEL;
+        copy(3 * (size_t)p->count, s->held, r);
+    }
+    return distance;
 }
 
 /* start: of r, as it is judged by p. Returns the same of the new r; a distance of Newton's own comes
@@ -190,6 +357,7 @@ static verdict solve_fixed(solver *s, const system_problem *p, const goal *wante
     const uint32_t use_newton = asked != TRIBO_SOLVER_GAUSS_SEIDEL && can;
     const uint64_t done = s->run.steps;
     const double price = use_newton ? newton_price(s->newton, p, &s->run) : 0.0;
+    anderson *leaps = use_newton || asked != TRIBO_SOLVER_AUTO ? NULL : leaps_on(s, p);
     verdict now = start;
     uint64_t sweeps = 0;
 
@@ -197,12 +365,12 @@ static verdict solve_fixed(solver *s, const system_problem *p, const goal *wante
     s->run.most_steps = s->most > UINT64_MAX - done ? UINT64_MAX : done + s->most;
     copy(numbers, r, s->start_r);
     if (now.distance > 1.0 && asked != TRIBO_SOLVER_NEWTON)
-        now = sweep_until(s, p, wanted, s->most, price * FEW_STEPS, now, r, &sweeps);
+        now = sweep_from(s, p, wanted, s->most, price * FEW_STEPS, leaps, now, r, &sweeps);
     if (now.distance > 1.0 && use_newton && halt(s) == 0) {
         copy(numbers, r, s->swept);
         /* Sweeps spoil the contacts of a stack at rest, which Newton finds at once from nothing. */
         copy(numbers, s->start_r, r);
-        now.distance = take_turns(s, p, wanted, price, r, s->swept, &sweeps);
+        now.distance = take_turns(s, p, wanted, price, s->swept, &sweeps, r);
         *is_judged = 0;
     }
     if (sweeps > s->info->sweeps)
@@ -225,7 +393,7 @@ static double least_slip(const goal *wanted)
 static int slides(const system_problem *p, size_t c, double mu, double least, const double *r,
                   const double *u)
 {
-    const double friction = sqrt(r[1] * r[1] + r[2] * r[2]);
+    const double friction = friction_of(r);
     const double slip = sqrt(u[1] * u[1] + u[2] * u[2]);
     const double *w = p->diagonal + 9 * c;
 

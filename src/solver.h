@@ -2,6 +2,7 @@
 #ifndef TRIBO_SOLVER_H
 #define TRIBO_SOLVER_H
 
+#include "anderson.h"
 #include "newton.h"
 #include "sweep.h"
 
@@ -17,7 +18,8 @@ typedef struct solver {
     int is_current;          /* dv and u are those of the r that solver_solve gave back */
     newton_run run;
 
-    newton *newton; /* null: not asked for */
+    newton *newton;     /* null: not asked for */
+    anderson *anderson; /* the same */
     void *sweep_memory;
     double *dv, *v;                            /* 6 per body */
     double *u, *held, *start_r, *swept, *best; /* 3 per contact */

@@ -157,6 +157,8 @@ static void take_shared(plan *p, arena *a, const tribo_system_options *o)
     if (o->solver != TRIBO_SOLVER_GAUSS_SEIDEL)
         p->solver.newton =
             newton_take(a, p->count, p->bodies, p->torques, p->links, &p->solver.run);
+    if (o->solver == TRIBO_SOLVER_AUTO)
+        p->solver.anderson = anderson_take(a, p->count);
 }
 
 static void take_bodies(plan *p, arena *a)

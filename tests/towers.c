@@ -1,4 +1,4 @@
-/* Towers: the load of a standing one is known, and long chains of unequal masses are what solvers
+/* Towers, heaps and piles: the load of a standing one is known, and long chains of unequal masses are what solvers
  * of contacts stall on; sliding and spinning ones have no closed form, only a certificate.
  *
  * TRIBO_SLOW=1 in the environment: 1000 sliding towers of each height instead of some. */
@@ -342,6 +342,199 @@ static void test_sliding_towers(void **state)
     assert_true(least == 1.0);
 }
 
+/* ---- standing heaps -------------------------------------------------------------------------- */
+
+/* Greatest velocity that is left, over that of the fall. */
+static double motion(const systems_scene *scene, const double *velocities)
+{
+    double most = 0.0;
+    for (size_t i = 0; i < 6 * scene->body_count; i++) {
+        most = fmax(most, fabs(velocities[i]));
+    }
+    return most / SYSTEMS_FALL;
+}
+
+/* Pyramids of spheres, four contacts to a sphere: twice what holds it. Newton alone takes a thousand
+ * steps for 256 contacts, and does not get through more of them; the interior method takes some
+ * dozen, after Newton's first 32 where these are cheap. */
+static void test_standing_heaps(void **state)
+{
+    static const size_t layers[] = {4, 6, 8, 11};
+    static const double coefficients[] = {1.0, 1.5, 20.0};
+    tribo_system_options options = defaults();
+    double most = 0.0;
+    (void)state;
+    options.measure = TRIBO_MEASURE_INVARIANT;
+    for (size_t i = 0; i < 12; i++) {
+        systems_scene heap;
+        answer got;
+        systems_heap(&heap, layers[i % 4], coefficients[i / 4], i);
+        solve(&heap, &options, NULL, &got);
+        assert_int_equal(got.info.stop, TRIBO_STOP_TOLERANCE);
+        assert_true(motion(&heap, got.velocities) <= 1e-8);
+        assert_true(got.info.linear <= 1e-10);
+        most = fmax(most, (double)got.info.factorizations);
+        release(&got);
+        systems_free(&heap);
+    }
+    print_message("# heaps: at most %g factorisations\n", most);
+    assert_true(most <= 64.0);
+}
+
+/* Smooth walls around the lowest layer, one row each, hold what friction could not. */
+static void wall_in(systems_scene *heap, size_t layers)
+{
+    static const double normals[4][3] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}};
+    const double far = (double)layers - 1.0;
+    for (uint32_t i = 0; i < layers * layers; i++) {
+        const double *place = heap->bodies[i].position;
+        for (size_t side = 0; side < 4; side++) {
+            const double *normal = normals[side];
+            const double at = normal[0] + normal[1] > 0.0 ? 0.0 : far;
+            double point[3] = {place[0], place[1], place[2]};
+            if (place[side / 2] != at) {
+                continue;
+            }
+            point[side / 2] -= 0.5 * normal[side / 2];
+            systems_add_contact(heap, i, TRIBO_WORLD, point, normal, 0.5)->dimension = 1;
+        }
+    }
+}
+
+static void test_heaps_between_smooth_walls(void **state)
+{
+    const tribo_system_options options = defaults();
+    (void)state;
+    for (size_t layers = 5; layers <= 9; layers++) {
+        systems_scene heap;
+        answer got;
+        systems_heap(&heap, layers, 0.6, layers);
+        wall_in(&heap, layers);
+        solve(&heap, &options, NULL, &got);
+        assert_int_equal(got.info.stop, TRIBO_STOP_TOLERANCE);
+        assert_true(motion(&heap, got.velocities) <= 1e-8);
+        assert_true(got.info.factorizations <= 64);
+        release(&got);
+        systems_free(&heap);
+    }
+}
+
+/* Units are a matter of exponents: odd powers of two, of which no root is exact, change no bit. */
+static void test_heaps_have_no_units(void **state)
+{
+    const tribo_system_options options = defaults();
+    systems_scene heap;
+    answer want;
+    (void)state;
+    systems_heap(&heap, 6, 1.0, 3);
+    solve(&heap, &options, NULL, &want);
+    for (int i = 0; i < 6; i++) {
+        static const int powers[6][3] = {{1, 0, 0},  {0, 1, 0},    {0, 0, 1},
+                                         {-3, 5, 2}, {7, -11, -3}, {-20, 31, 9}};
+        systems_scene scaled;
+        answer got;
+        systems_copy(&heap, &scaled);
+        systems_scale(&scaled, powers[i][0], powers[i][1], powers[i][2]);
+        solve(&scaled, &options, NULL, &got);
+        for (size_t k = 0; k < 3 * heap.count; k++) {
+            got.impulses[k] = ldexp(got.impulses[k], powers[i][2] - powers[i][0] - powers[i][1]);
+        }
+        assert_memory_equal(got.impulses, want.impulses, 3 * heap.count * sizeof(double));
+        assert_int_equal(got.info.factorizations, want.info.factorizations);
+        release(&got);
+        systems_free(&scaled);
+    }
+    release(&want);
+    systems_free(&heap);
+}
+
+/* Piles that fall apart, on slippery spheres: sweeps get there, and with leaps in a tenth of them. */
+static void test_slippery_piles(void **state)
+{
+    tribo_system_options plain = defaults();
+    const tribo_system_options leaping = defaults();
+    (void)state;
+    plain.solver = TRIBO_SOLVER_GAUSS_SEIDEL;
+    for (uint64_t seed = 1; seed <= 3; seed++) {
+        systems_scene pile;
+        answer want;
+        answer got;
+        systems_pile(&pile, 7, seed);
+        for (size_t i = 0; i < pile.count; i++) {
+            pile.contacts[i].pair.mu_s = pile.contacts[i].pair.mu_d = 0.1;
+        }
+        solve(&pile, &plain, NULL, &want);
+        solve(&pile, &leaping, NULL, &got);
+        print_message("# pile of %u contacts: %u sweeps, with leaps %u\n", (unsigned)pile.count,
+                      (unsigned)want.info.sweeps, (unsigned)got.info.sweeps);
+        assert_int_equal(want.info.stop, TRIBO_STOP_TOLERANCE);
+        assert_int_equal(got.info.stop, TRIBO_STOP_TOLERANCE);
+        assert_int_equal(got.info.steps, 0);
+        assert_true(5 * got.info.sweeps <= want.info.sweeps);
+        release(&want);
+        release(&got);
+        systems_free(&pile);
+    }
+}
+
+/* Rough ones are what sweeps wander on, and Newton too. */
+static void test_rough_piles(void **state)
+{
+    tribo_system_options options = defaults();
+    (void)state;
+    options.max_iterations = 100000;
+    for (uint64_t seed = 1; seed <= 6; seed++) {
+        systems_scene pile;
+        answer got;
+        systems_pile(&pile, 5, seed);
+        solve(&pile, &options, NULL, &got);
+        assert_int_equal(got.info.stop, TRIBO_STOP_TOLERANCE);
+        release(&got);
+        systems_free(&pile);
+    }
+}
+
+/* The same by W alone: a heap whose matrix is given in blocks. */
+static void test_assembled_heaps(void **state)
+{
+    (void)state;
+    for (size_t layers = 5; layers <= 7; layers++) {
+        tribo_system_options options = defaults();
+        tribo_system_info info = {.struct_size = sizeof info};
+        tribo_linear linear = {.struct_size = sizeof linear};
+        tribo_sparse *sparse = NULL;
+        systems_scene heap;
+        systems_blocks w;
+        size_t size = 0;
+        systems_heap(&heap, layers, 1.0, layers);
+        systems_assemble(&heap, &w);
+        assert_int_equal(tribo_sparse_create(TRIBO_SPARSE_AUTO, NULL, &sparse), TRIBO_OK);
+        assert_int_equal(tribo_sparse_linear(sparse, &linear), TRIBO_OK);
+        options.linear = &linear;
+        assert_int_equal(tribo_system_assembled_workspace_size(w.count, w.row_starts, w.columns,
+                                                               &options, &size),
+                         TRIBO_OK);
+        void *workspace = allocate(size);
+        double *impulses = allocate(3 * w.count * sizeof(double));
+        double *velocities = allocate(3 * w.count * sizeof(double));
+        assert_int_equal(tribo_system_solve_assembled(w.count, w.row_starts, w.columns, w.blocks,
+                                                      w.q, w.mu, &options, workspace, size,
+                                                      impulses, velocities, &info),
+                         TRIBO_OK);
+        assert_int_equal(info.stop, TRIBO_STOP_TOLERANCE);
+        for (size_t k = 0; k < 3 * w.count; k++) {
+            assert_true(fabs(velocities[k]) <= 1e-8 * SYSTEMS_FALL);
+        }
+        assert_true(info.factorizations <= 64);
+        free(workspace);
+        free(impulses);
+        free(velocities);
+        tribo_sparse_destroy(sparse);
+        systems_free_blocks(&w);
+        systems_free(&heap);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -349,6 +542,12 @@ int main(void)
         cmocka_unit_test(test_resting_towers_start_warm),
         cmocka_unit_test(test_gauss_seidel_has_its_exact_rate),
         cmocka_unit_test(test_sliding_towers),
+        cmocka_unit_test(test_standing_heaps),
+        cmocka_unit_test(test_heaps_between_smooth_walls),
+        cmocka_unit_test(test_heaps_have_no_units),
+        cmocka_unit_test(test_assembled_heaps),
+        cmocka_unit_test(test_slippery_piles),
+        cmocka_unit_test(test_rough_piles),
     };
     return cmocka_run_group_tests_name("towers", tests, NULL, NULL);
 }

@@ -502,6 +502,37 @@ void systems_pile(systems_scene *out, size_t layers, uint64_t seed)
     fall(out);
 }
 
+void systems_heap(systems_scene *out, size_t layers, double mu, uint64_t seed)
+{
+    problem_random random;
+    const double rise = sqrt(0.5);
+    uint32_t *below = NULL;
+    memset(out, 0, sizeof *out);
+    problem_random_start(&random, STREAM + 6, seed, layers);
+    for (size_t layer = 0; layer < layers; layer++) {
+        const size_t side = layers - layer;
+        const double shift = (double)layer / 2.0;
+        uint32_t *here = allocate(side * side, sizeof *here);
+        for (size_t i = 0; i < side * side; i++) {
+            const double position[3] = {shift + (double)(i % side), shift + (double)(i / side),
+                                        0.5 + rise * (double)layer};
+            const double mass = problem_random_decades(&random, -0.5, 0.5);
+            here[i] = systems_add_sphere(out, 0.5, mass, position);
+            if (layer == 0) {
+                const double point[3] = {position[0], position[1], 0.0};
+                systems_add_contact(out, here[i], TRIBO_WORLD, point, up, mu);
+            }
+            for (size_t k = 0; k < 4 && layer > 0; k++) {
+                touch(out, here[i], below[(i / side + k / 2) * (side + 1) + i % side + k % 2], mu);
+            }
+        }
+        free(below);
+        below = here;
+    }
+    free(below);
+    fall(out);
+}
+
 void systems_crowd(systems_scene *out, size_t contacts, uint64_t seed)
 {
     static const double half[3] = {0.5, 0.5, 0.5};

@@ -95,6 +95,10 @@ void systems_wall(systems_scene *out, size_t columns, size_t rows, uint64_t seed
  *  some noise. */
 void systems_pile(systems_scene *out, size_t layers, uint64_t seed);
 
+/** The same pyramid without gaps, noise and contacts within a layer, with one mu: from about 0.9 on
+ *  it stands, whatever the masses (drawn within a decade). Some 4/3 layers^3 contacts. */
+void systems_heap(systems_scene *out, size_t layers, double mu, uint64_t seed);
+
 /** Cube with `contacts` contacts on its underside. */
 void systems_crowd(systems_scene *out, size_t contacts, uint64_t seed);
 
