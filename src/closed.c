@@ -23,6 +23,9 @@ static void column(const double r[9], int i, double out[3])
     out[2] = r[6 + i];
 }
 
+static const int next_axis[3] = {1, 2, 0};
+static const int last_axis[3] = {2, 0, 1};
+
 static double sign_of(double x)
 {
     return x < 0.0 ? -1.0 : 1.0;
@@ -408,8 +411,8 @@ static void box_edges(const double r[9], const double half[3], double edges[3][3
 TRIBO_ALWAYS_INLINE void box_corners(const double r[9], const double half[3], int axis, double sign,
                                      double *restrict corners)
 {
-    const int next = axis == 2 ? 0 : axis + 1;
-    const int last = axis == 0 ? 2 : axis - 1;
+    const int next = next_axis[axis];
+    const int last = last_axis[axis];
     const double out = sign * half[axis];
     const double u = sign * half[next];
     const double v = half[last];
@@ -427,10 +430,12 @@ TRIBO_ALWAYS_INLINE void box_corners(const double r[9], const double half[3], in
     }
 }
 
+/* Without a branch, as nobody knows which it is: so are the two axes that follow another. */
 static int greatest_of(const double x[3])
 {
     const int first = absolute(x[1]) > absolute(x[0]) ? 1 : 0;
-    return absolute(x[2]) > absolute(x[first]) ? 2 : first;
+    const int third = absolute(x[2]) > greater(absolute(x[0]), absolute(x[1])) ? 1 : 0;
+    return third * 2 + (1 - third) * first;
 }
 
 static uint32_t box_face_number(int axis, double sign)
@@ -459,28 +464,24 @@ TRIBO_NEVER_INLINE tribo_status box_plane_reduced(const pair_query *query, const
     return clip_check(out);
 }
 
-/* All corners that are near enough. Returns their number. */
-TRIBO_ALWAYS_INLINE uint32_t write_corners(int turned, const pair_query *query,
-                                           const double normal[3], const double corners[12],
-                                           const double distances[4], uint32_t face, double limit,
-                                           tribo_point *restrict points)
+/* The corners that are near enough, by their numbers. */
+TRIBO_ALWAYS_INLINE void write_corners(int turned, const pair_query *query, const double normal[3],
+                                       const double corners[12], const double distances[4],
+                                       uint32_t face, uint32_t count, const uint32_t near[4],
+                                       tribo_point *restrict points)
 {
     const double offset[3] = {query->offset[0], query->offset[1], query->offset[2]};
     const double n[3] = {normal[0], normal[1], normal[2]};
     const uint64_t first =
         pair_id(turned, pair_feature(face, PAIR_VERTEX, 0), pair_feature(0, PAIR_FACE, 0));
     const uint64_t step = pair_id(turned, 1, 0);
-    uint32_t count = 0;
-    for (uint32_t c = 0; c < 4; c++) {
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t c = near[i];
         const double *at = corners + 3 * c;
         const double back = -0.5 * distances[c];
-        if (distances[c] <= limit) {
-            const double middle[3] = {at[0] + back * n[0], at[1] + back * n[1],
-                                      at[2] + back * n[2]};
-            pair_write_as(turned, offset, middle, distances[c], first + c * step, &points[count++]);
-        }
+        const double middle[3] = {at[0] + back * n[0], at[1] + back * n[1], at[2] + back * n[2]};
+        pair_write_as(turned, offset, middle, distances[c], first + c * step, &points[i]);
     }
-    return count;
 }
 
 /* The lowest face: it holds the deepest corner. */
@@ -498,14 +499,21 @@ TRIBO_ALWAYS_INLINE tribo_status box_plane(const pair_query *query, const plane 
     const double reach = extent(way);
     const double limit = query->margin + PAIR_ROUNDING * (reach + absolute(p->level));
     const int axis = greatest_of(down);
-    const double left = way[axis == 2 ? 0 : axis + 1];
-    const double up = way[axis == 0 ? 2 : axis - 1];
-    const double sign = down[axis] > 0.0 ? -1.0 : 1.0;
+    const double left = way[next_axis[axis]];
+    const double up = way[last_axis[axis]];
+    const double sign =
+        copysign(1.0, 0.0 - down[axis]); /* the greatest of a unit vector is not 0 */
     const double level = sign * way[axis] - p->level;
     const double right = level + sign * left;
     const double other = level - sign * left;
     const double distances[4] = {right + up, other + up, other - up, right - up};
-    if (lesser(lesser(distances[0], distances[1]), lesser(distances[2], distances[3])) > limit) {
+    uint32_t near[4];
+    uint32_t count = 0;
+    for (uint32_t c = 0; c < 4; c++) { /* no branch that depends on the pose */
+        near[count] = c;
+        count += distances[c] <= limit ? 1 : 0;
+    }
+    if (count == 0) {
         clip_nothing(out);
         return TRIBO_OK;
     }
@@ -514,13 +522,10 @@ TRIBO_ALWAYS_INLINE tribo_status box_plane(const pair_query *query, const plane 
     if (query->max_points < 4) {
         return box_plane_reduced(query, p, corners, distances, face, limit, out);
     }
-    const uint32_t count =
-        query->turned
-            ? write_corners(1, query, p->normal, corners, distances, face, limit, out->points)
-            : write_corners(0, query, p->normal, corners, distances, face, limit, out->points);
-    if (count == 0) { /* lengths beyond the numbers */
-        clip_nothing(out);
-        return TRIBO_OK;
+    if (query->turned) {
+        write_corners(1, query, p->normal, corners, distances, face, count, near, out->points);
+    } else {
+        write_corners(0, query, p->normal, corners, distances, face, count, near, out->points);
     }
     pair_write_head(query, p->normal, count, out);
     return query->safe ? TRIBO_OK : clip_check(out);
@@ -892,16 +897,18 @@ static void take_rectangles(const boxes *x, int side, int axis, pair_rectangles 
     const double *own = side == 0 ? x->query->ra : x->query->rb;
     const double turn = side == 0 ? 1.0 : -1.0; /* offset from the box of the face to the other */
     const double *t = side == 0 ? x->ta : x->tb;
-    const int next = axis == 2 ? 0 : axis + 1;
-    const int last = axis == 0 ? 2 : axis - 1;
-    const double sign = turn * t[axis] > 0.0 || (side == 1 && t[axis] == 0.0) ? 1.0 : -1.0;
+    const int next = next_axis[axis];
+    const int last = last_axis[axis];
+    /* where the middles are level, A is on the positive side of B, and its own face the negative */
+    const double sign =
+        side == 0 ? 0.0 - copysign(1.0, 0.0 - t[axis]) : copysign(1.0, 0.0 - t[axis]);
     const int rows[3] = {axis, next, last};
     const double signs[3] = {sign, sign, 1.0};
     const double facing[3] = {r[row * axis], r[row * axis + step], r[row * axis + 2 * step]};
     const int m = greatest_of(facing);
-    const double back = facing[m] * sign > 0.0 ? -1.0 : 1.0;
-    const int m1 = m == 2 ? 0 : m + 1;
-    const int m2 = m == 0 ? 2 : m - 1;
+    const double back = copysign(1.0, 0.0 - facing[m] * sign);
+    const int m1 = next_axis[m];
+    const int m2 = last_axis[m];
     double *const to[3] = {f->other.h, f->other.u, f->other.v};
     for (int k = 0; k < 3; k++) {
         const double *from = r + row * rows[k];
