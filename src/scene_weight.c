@@ -444,13 +444,15 @@ static void carry_all(carrying *w)
 
 /* ---- the whole ------------------------------------------------------------------------------- */
 
-/* Sweeps leave loads that nothing stops; what is solved leaves none but where contacts are new. */
+/* Sweeps and coarse tolerances leave loads that nothing stops; what is solved leaves none but where
+ * contacts are new. */
 static int is_worth(const scene_run *run, size_t count)
 {
     const scene_trace *traces = run->scene->traces.data;
+    const int is_coarse =
+        run->options.solver == TRIBO_SOLVER_GAUSS_SEIDEL || run->options.tolerance > EXACT;
     for (size_t i = 0; i < count; i++) {
-        if (traces[i].is_held != 0 &&
-            (!(traces[i].start[0] > 0.0) || run->options.solver == TRIBO_SOLVER_GAUSS_SEIDEL)) {
+        if (traces[i].is_held != 0 && (is_coarse || !(traces[i].start[0] > 0.0))) {
             return 1;
         }
     }

@@ -544,6 +544,28 @@ static void test_tower_comes_to_rest_by_few_sweeps(void **state)
     tribo_scene_destroy(scene);
 }
 
+/* What a coarse tolerance forgives does not gather from step to step where a box sticks. */
+static void test_coarse_tolerances_do_not_creep(void **state)
+{
+    static const double tolerances[2] = {1e-3, 1e-6};
+    const double angle = atan(0.45);
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        const tribo_step_options options = {.struct_size = sizeof options,
+                                            .tolerance = tolerances[k]};
+        tribo_scene *scene = make_scene(G * sin(angle), -G * cos(angle), 0);
+        tribo_scene_body box = box_of(1.0, 0.5, 0.5, 0.5, 0.5, 0.0);
+        add_floor(scene, 0.5, 0.0);
+        const uint32_t id = add_at(scene, &box, 0.0, 0.0, 0.5);
+        run(scene, 1.0 / 240.0, 2400, &options);
+        const tribo_body end = state_of(scene, id);
+        within(fabs(end.position[0]), 1e-12);
+        within(tribo_vec3_norm(end.velocity), 1e-12);
+        tribo_scene_destroy(scene);
+    }
+    settle("10 s on a slope by coarse tolerances");
+}
+
 /* A thousand kilogrammes fall onto one by 1 m; what has sunk in when they meet is all that does. */
 static void test_heavy_box_is_stopped_by_few_sweeps(void **state)
 {
@@ -949,6 +971,7 @@ int main(void)
         TEST(test_warm_start),
         TEST(test_rest_needs_no_solver),
         TEST(test_tower_comes_to_rest_by_few_sweeps),
+        TEST(test_coarse_tolerances_do_not_creep),
         TEST(test_heavy_box_is_stopped_by_few_sweeps),
         TEST(test_events),
         TEST(test_contacts),
