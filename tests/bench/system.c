@@ -6,9 +6,9 @@
  * Piles of spheres that fall apart, heaps of spheres that stand, walls of bricks and towers of boxes
  * from a cold start to an invariant residual of 1e-8 by the automatic choice with SuiteSparse, in
  * the caller's thread; the time is that of tribo_system_solve alone by the clock on the wall, the
- * least of several. Errors are those of the
- * certificate, which the tests compare with quad precision. A scene that reaches the limit grows no
- * further. Exponents are fitted to log time over log contacts. */
+ * least of several. Errors are those of the certificate, which the tests compare with quad
+ * precision. A scene that reaches the limit grows no further. Exponents are fitted to log time over
+ * log contacts. */
 #define _POSIX_C_SOURCE 200809L
 
 #include <tribo/sparse.h>
