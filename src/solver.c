@@ -22,6 +22,8 @@
 #define DEAR 200.0
 /* Newton steps' worth of sweeps that leap before Newton's first turn, where they are so dear. */
 #define FIRST_LEAPS 8.0
+/* Share of Newton's residual at which it goes on from where the sweeps are. */
+#define FAR_AHEAD 0.1
 /* Rounds of the interior method, if each brings the distance down by so much. */
 #define MOST_ROUNDS 4
 #define ROUND_GAIN 0.3
@@ -291,8 +293,8 @@ static int take_sweeps(solver *s, const system_problem *p, turns *t, double step
 }
 
 /* Newton, with rounds of the interior method once its first turn does not end; by the automatic
- * choice in turns with sweeps that leap, each from where it was, for ever longer turns: the cost is
- * at most about twice that of the better one. */
+ * choice in turns with sweeps that leap, each from where it was unless the sweeps are far ahead, for
+ * ever longer turns: the cost is at most about twice that of the better one. */
 static double run_turns(solver *s, const system_problem *p, turns *t, double *r)
 {
     const uint32_t alone = s->options->solver == TRIBO_SOLVER_NEWTON;
@@ -320,6 +322,10 @@ static double run_turns(solver *s, const system_problem *p, turns *t, double *r)
             return distance;
         if (!alone && take_sweeps(s, p, t, (double)(s->run.steps - before), r))
             return 0.0;
+        if (!alone && t->least.residual < FAR_AHEAD * judge(s, p, t->wanted, r).residual) {
+            copy(3 * (size_t)p->count, s->held, r);
+            newton_start(s->newton, p, t->wanted, &s->run, r);
+        }
     }
 }
 
