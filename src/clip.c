@@ -449,8 +449,8 @@ static int is_near(const polygon *p, const double half[2], double reach)
 {
     int near = 0;
     for (uint32_t i = 0; i < 4; i++) {
-        near |= absolute(absolute(p->u[i]) - half[0]) <= reach ||
-                absolute(absolute(p->v[i]) - half[1]) <= reach;
+        near |= absolute(absolute(p->u[i]) - half[0]) <= reach;
+        near |= absolute(absolute(p->v[i]) - half[1]) <= reach;
     }
     return near;
 }

@@ -28,7 +28,7 @@ static const int last_axis[3] = {2, 0, 1};
 
 static double sign_of(double x)
 {
-    return x < 0.0 ? -1.0 : 1.0;
+    return copysign(1.0, x + 0.0);
 }
 
 static double within(double x, double bound)
