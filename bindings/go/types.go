@@ -93,12 +93,16 @@ const (
 	MethodClosed uint32 = 1
 	// by support functions alone; not for half-spaces
 	MethodGeneral uint32 = 2
-	// Gauss-Seidel first; Newton for the components of the system that it does not finish.
+	// Gauss-Seidel first; then Newton, in turns with sweeps that Anderson's method accelerates
+	//  (Walker & Ni, SIAM J. Numer. Anal. 49 (2011) 1715), for the components of the system that it
+	//  does not finish.
 	SolverAuto uint32 = 0
 	// Sweeps of the exact solve of one contact after the other (Jourdan, Alart & Jean, Comput.
 	//  Methods Appl. Mech. Eng. 155 (1998) 31).
 	SolverGaussSeidel uint32 = 1
-	// Proximal point and semismooth Newton: in the bodies' velocities, or on W.
+	// Proximal point and semismooth Newton, in the bodies' velocities or on W; and where that does
+	//  not end soon, an interior-point method on the convex neighbour of the problem (Anitescu,
+	//  Math. Program. 105 (2006) 113), which finds how a system can stand, whatever its size.
 	SolverNewton uint32 = 2
 	// The greatest eta of the contacts: tribo_measures of audit.h, with all of W.
 	MeasureEta uint32 = 0
@@ -478,7 +482,7 @@ type SystemInfo struct {
 	Components uint32
 	// Gauss-Seidel sweeps, of the component that had most
 	Sweeps uint64
-	// Newton steps, over all components
+	// Newton's and interior steps, over all components
 	Steps uint64
 	// matrices factored
 	Factorizations uint64
@@ -569,7 +573,7 @@ type StepInfo struct {
 	Frictionless uint64
 	// of these, those with a length of resistance: six rows
 	Resisting uint64
-	// of these, those with a warm start
+	// of these, those with an impulse of the last sub-step
 	Matched uint64
 	// sub-steps with a contact solve
 	ContactSolves uint64

@@ -31,6 +31,8 @@ typedef struct verdict {
     double distance; /* the measure over the goal's bound: 1 or less is there */
     double residual; /* what the best are chosen by. Unlike eta it does not fall where impulses only
                         grow */
+    double eta;      /* greatest of a contact; measured as the goal is */
+    double growth;   /* as of certificate_growth; likewise */
 } verdict;
 
 /* 1 if `now` is worth taking other, perhaps far larger, impulses. */
@@ -42,6 +44,10 @@ static inline int is_better(verdict now, verdict best)
 /* scratch: 6 per body, in the bodies form. */
 verdict certificate_judge(const system_problem *problem, const goal *wanted, const double *r,
                           const double *u, double *scratch);
+
+/* certificate_velocity, then certificate_judge. */
+verdict certificate_check(const system_problem *problem, const goal *wanted, const double *r,
+                          double *dv, double *u, double *scratch);
 
 /* Greatest V of a contact over the greatest |q_c|: what impulses do to each other. */
 double certificate_growth(const system_problem *problem, const double *r, double *scratch);

@@ -47,6 +47,21 @@ void newton_start(newton *n, const system_problem *problem, const goal *wanted,
  * the cone; returns their distance from the goal. */
 double newton_continue(newton *n, newton_run *run, uint64_t steps, double *r);
 
+/* The convex neighbour of the problem, by an interior-point method: with the De Saxce term frozen it
+ * is complementarity on round cones with a symmetric matrix, which that method solves in some ten to
+ * thirty steps whatever its size and its rank (Anitescu, Math. Program. 105 (2006) 113; Acary,
+ * Cadoux, Lemarechal & Malick, ZAMM 91 (2011) 155). The term starts as 0, so that what can stand
+ * still does; each round freezes it at the slip of the round before, and the fixed point is
+ * Coulomb's law. Newton has no such path through systems of many contacts at rest, whose solutions
+ * with a proximal term turn back again and again as it vanishes. Call newton_start before. */
+void interior_start(newton *n);
+
+/* 1 if there are such rounds: a problem without torques. */
+uint32_t interior_possible(const system_problem *problem);
+
+/* One round; r receives the best impulses since newton_start. Returns their distance. */
+double interior_round(newton *n, newton_run *run, double *r);
+
 /* 1 if the last many steps brought nothing. */
 uint32_t newton_stalls(const newton *n, const newton_run *run);
 

@@ -16,7 +16,9 @@ typedef struct pair_query {
     double offset[3]; /* position of B minus position of A */
     double margin;
     uint32_t max_points;
-    uint32_t turned; /* A here is the caller's B: manifolds are written the other way round */
+    uint32_t turned;  /* A here is the caller's B: manifolds are written the other way round */
+    uint32_t upright; /* B's rotation is none */
+    uint32_t safe;    /* boxes or half-spaces of usual size: no number of a closed form overflows */
 } pair_query;
 
 /* Where two convex shapes are nearest, or deepest. */
@@ -32,6 +34,30 @@ typedef struct pair_face {
     double normal[3]; /* outward, unit */
     double points[3 * TRIBO_MAX_FACE];
 } pair_face;
+
+/* A face seen along a normal: heights h along it, u and v across it. */
+typedef struct pair_polygon {
+    uint32_t count;
+    uint32_t feature;
+    double size;     /* greatest distance of a corner from the first along u or v */
+    double shortest; /* side, by the sum of what it is along u and v */
+    double slope[2]; /* height gained per length along u and v */
+    double h[TRIBO_MAX_FACE];
+    double u[TRIBO_MAX_FACE];
+    double v[TRIBO_MAX_FACE];
+} pair_polygon;
+
+/* Faces of two boxes seen from the middle of that box whose face clips: its outward normal, u and v
+ * along its sides. */
+typedef struct pair_rectangles {
+    int side;        /* 0: a face of A clips */
+    uint32_t own;    /* its number */
+    double level;    /* its height */
+    double half[2];  /* its sides */
+    double frame[9]; /* outward normal, u, v; world axes */
+    double size;     /* of the smaller face */
+    pair_polygon other;
+} pair_rectangles;
 
 /* A point that may go into the manifold. */
 typedef struct pair_point {
@@ -65,30 +91,53 @@ TRIBO_ALWAYS_INLINE double extent(const double v[3])
     return absolute(v[0]) + absolute(v[1]) + absolute(v[2]);
 }
 
+#define PAIR_NORMAL_TOLERANCE 1e-12 /* of the square of a half-space's normal */
+
 /* Distances and lengths of closed forms overflow nowhere on the way, if the lengths they are made
  * from add up to less than this. */
 #define PAIR_LARGE 1e100
 
-/* One number after the other: what was stored so can not be loaded at once without a stall. */
+/* Id of a point in the caller's order. */
+TRIBO_ALWAYS_INLINE uint64_t pair_id(int turned, uint32_t a, uint32_t b)
+{
+    return turned ? (uint64_t)b << 32 | a : (uint64_t)a << 32 | b;
+}
+
+/* One number after the other: what was stored so can not be loaded at once without a stall.
+ * `turned` is a constant wherever speed matters. */
+TRIBO_ALWAYS_INLINE void pair_write_as(int turned, const double offset[3], const double middle[3],
+                                       double distance, uint64_t id, tribo_point *to)
+{
+    double *own = turned ? to->arm_b : to->arm_a;
+    double *other = turned ? to->arm_a : to->arm_b;
+    for (int i = 0; i < 3; i++) {
+        own[i] = middle[i];
+        other[i] = middle[i] - offset[i];
+    }
+    to->distance = distance;
+    to->id = id;
+}
+
 TRIBO_ALWAYS_INLINE void pair_write_point(const pair_query *query, const pair_point *from,
                                           tribo_point *to)
 {
-    double *own = query->turned ? to->arm_b : to->arm_a;
-    double *other = query->turned ? to->arm_a : to->arm_b;
-    for (int i = 0; i < 3; i++) {
-        own[i] = from->middle[i];
-        other[i] = from->middle[i] - query->offset[i];
+    if (query->turned) {
+        pair_write_as(1, query->offset, from->middle, from->distance, pair_id(1, from->a, from->b),
+                      to);
+    } else {
+        pair_write_as(0, query->offset, from->middle, from->distance, pair_id(0, from->a, from->b),
+                      to);
     }
-    to->distance = from->distance;
-    to->id = query->turned ? (uint64_t)from->b << 32 | from->a : (uint64_t)from->a << 32 | from->b;
 }
 
 TRIBO_ALWAYS_INLINE void pair_write_head(const pair_query *query, const double normal[3],
                                          uint32_t count, tribo_manifold *out)
 {
     const double sign = query->turned ? -1.0 : 1.0;
-    memset(out, 0, offsetof(tribo_manifold, points));
     out->count = count;
+    out->child_a = 0;
+    out->child_b = 0;
+    out->method = 0;
     out->normal[0] = 0.0 + sign * normal[0];
     out->normal[1] = 0.0 + sign * normal[1];
     out->normal[2] = 0.0 + sign * normal[2];
@@ -119,6 +168,10 @@ int clip_take_face(const pair_query *query, int side, const double direction[3],
 uint32_t clip_faces(const pair_query *query, const pair_face faces[2], int reference,
                     const pair_axis *axis, pair_point points[PAIR_MAX_POINTS]);
 
+/* clip.c: the same of two faces of boxes, one of which is square to the axis. */
+uint32_t clip_rectangles(const pair_query *query, const pair_rectangles *faces,
+                         pair_point points[PAIR_MAX_POINTS]);
+
 /* clip.c: manifold of A on one given face of B, with its normal: only what lies over that face
  * counts. */
 void clip_onto(const pair_query *query, const pair_face *face, tribo_manifold *out);
@@ -144,11 +197,19 @@ void clip_write(const pair_query *query, const double normal[3], uint32_t count,
 void clip_finish(const pair_query *query, const double normal[3], double size, uint32_t count,
                  pair_point *points, tribo_manifold *out);
 
-/* closed.c: whether two kinds of shapes, A's number not the greater, have a closed form. */
-int closed_exists(uint32_t type_a, uint32_t type_b);
+/* Whether two kinds of shapes, A's number not the greater, have a closed form. */
+TRIBO_ALWAYS_INLINE int closed_exists(uint32_t type_a, uint32_t type_b)
+{
+    return type_b == TRIBO_SHAPE_HALFSPACE ||
+           (type_a == TRIBO_SHAPE_SPHERE && type_b <= TRIBO_SHAPE_CAPSULE) ||
+           (type_a == type_b && type_b <= TRIBO_SHAPE_CAPSULE);
+}
 
 /* closed.c: its manifold. TRIBO_ERROR_SUPPORT if a user's function gave no finite point,
  * TRIBO_ERROR_RANGE if a number overflowed. */
 tribo_status closed_manifold(const pair_query *query, tribo_manifold *out);
+
+/* closed.c: manifold of a box A and a half-space B of usual size. */
+void closed_on_ground(const pair_query *query, tribo_manifold *out);
 
 #endif

@@ -8,10 +8,9 @@ typedef struct restitution {
     double *first, *second;     /* impulses: 3 per contact */
     double *u_first, *u_second; /* velocities that they give */
     double *q, *target, *mu;    /* of the problems that are solved on the way */
-    double *free_velocity;      /* 6 per body */
 } restitution;
 
-void restitution_take(restitution *stage, arena *a, uint32_t count, uint32_t bodies);
+void restitution_take(restitution *stage, arena *a, uint32_t count);
 
 /* r holds the plastic solution and receives the impulses with restitution, e one coefficient per
  * contact. Returns the share of the stage that the energy allowed.
@@ -23,7 +22,6 @@ void restitution_take(restitution *stage, arena *a, uint32_t count, uint32_t bod
  * the plastic impulse p dissipates p W p / 2 + mu p_n |u_t| >= P_I^2 W_nn / 2 (Cauchy-Schwarz on
  * (W p)_n = -u_n), and d gives back e^2 P_I^2 W_nn / 2 of it. */
 double restitution_apply(restitution *stage, solver *s, const system_problem *problem,
-                         const double *free_velocity, const double *e, const goal *wanted,
-                         double *r);
+                         const double *e, const goal *wanted, double *r);
 
 #endif

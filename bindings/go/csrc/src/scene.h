@@ -5,6 +5,7 @@
  *   scene_step.c     the stages of a step in their order
  *   scene_contact.c  which bodies touch, and where: broad phase, manifolds, warm starts
  *   scene_solve.c    problems for tribo_system_solve: impacts, contacts, moving apart
+ *   scene_weight.c   impulses that contacts of bodies at rest start from
  *   scene_rest.c     islands, sleep
  *   scene_event.c    what begins, persists and ends */
 #ifndef TRIBO_SCENE_PRIVATE_H
@@ -66,26 +67,29 @@ struct tribo_scene {
     scene_buffer kept_slots, kept_bodies;
     scene_buffer kicks, pushed, reaches, firsts, pairs, manifolds, parents, marks;
     scene_buffer traces, rows, picks, impulses, torques, velocities, still, workspace;
+    scene_buffer loads, carriers;
 };
 
-/* What is known of a contact point within one sub-step. */
+/* What is known of a contact point within one sub-step. What all stages look at comes first: it is
+ * one line of the cache. */
 typedef struct scene_trace {
-    tribo_material pair;
-    double frame[9];
-    double rolling, spinning;
-    double start[3];    /* impulse to start from, contact coordinates */
-    double turn[3];     /* the same of the torque */
-    double impact[3];   /* impulse of the impact stage, world axes */
-    double normal;      /* sum of normal impulses */
-    double meets;       /* s from the midpoint on, of a contact that waits for an impact */
-    double belt[3];     /* belt of B less that of A, contact coordinates */
-    double margin;      /* m, so near it is held in any case */
-    double slop;        /* m, overlap that is left alone */
     uint32_t is_active; /* a body of it is awake and dynamic */
     uint32_t is_impact; /* it waits for an impact */
     uint32_t impacts;   /* that it had */
     uint32_t is_held;   /* the contact solve has it */
     uint32_t is_marked; /* its island is the concern of the stage that runs */
+    uint32_t unused;
+    double margin; /* m, so near it is held in any case */
+    double slop;   /* m, overlap that is left alone */
+    double normal; /* sum of normal impulses */
+    double meets;  /* s from the midpoint on, of a contact that waits for an impact */
+    double rolling, spinning;
+    tribo_material pair;
+    double frame[9];
+    double start[3];  /* impulse to start from, contact coordinates */
+    double turn[3];   /* the same of the torque */
+    double impact[3]; /* impulse of the impact stage, world axes */
+    double belt[3];   /* belt of B less that of A, contact coordinates */
 } scene_trace;
 
 /* One call of tribo_scene_step. */
@@ -98,6 +102,7 @@ typedef struct scene_run {
     uint32_t events_from, events_to;
     uint32_t may_sleep; /* some body sleeps, or may */
     uint32_t resists;   /* some contact has a length of resistance */
+    uint32_t bounces;   /* some contact has restitution */
 } scene_run;
 
 static inline scene_slot *scene_slots(const tribo_scene *s)
@@ -132,6 +137,12 @@ static inline int scene_moves(const tribo_body *body)
     return v[0] != 0.0 || v[1] != 0.0 || v[2] != 0.0 || w[0] != 0.0 || w[1] != 0.0 || w[2] != 0.0;
 }
 
+/* Whether one more object fits behind `count` of them. */
+static inline int scene_has_room(const scene_buffer *buffer, size_t count, size_t size)
+{
+    return (count + 1) * size <= buffer->bytes;
+}
+
 /* scene.c */
 tribo_status scene_reserve(tribo_scene *s, scene_buffer *buffer, size_t count, size_t size);
 tribo_status scene_grow(tribo_scene *s, scene_buffer *buffer, size_t used, size_t count,
@@ -155,6 +166,9 @@ tribo_status scene_solve_impacts(scene_run *run);
 tribo_status scene_solve_contacts(scene_run *run);
 tribo_status scene_part_overlaps(scene_run *run, uint32_t *moved);
 void scene_move_apart(scene_run *run);
+
+/* scene_weight.c */
+tribo_status scene_carry_weight(scene_run *run);
 
 /* scene_rest.c */
 tribo_status scene_join_islands(scene_run *run);

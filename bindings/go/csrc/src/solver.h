@@ -2,6 +2,7 @@
 #ifndef TRIBO_SOLVER_H
 #define TRIBO_SOLVER_H
 
+#include "anderson.h"
 #include "newton.h"
 #include "sweep.h"
 
@@ -14,9 +15,11 @@ typedef struct solver {
     uint32_t stop;           /* TRIBO_STOP_...: the worst so far */
     tribo_status status;     /* of options->linear */
     double growth;           /* of the last impulses: see certificate_growth */
+    int is_current;          /* dv and u are those of the r that solver_solve gave back */
     newton_run run;
 
-    newton *newton; /* null: not asked for */
+    newton *newton;     /* null: not asked for */
+    anderson *anderson; /* the same */
     void *sweep_memory;
     double *dv, *v;                            /* 6 per body */
     double *u, *held, *start_r, *swept, *best; /* 3 per contact */
@@ -26,9 +29,8 @@ typedef struct solver {
 /* Seconds by the clock of the options. */
 double solver_now(const tribo_system_options *options);
 
-/* Improve r, 3 per contact, until the goal is met or nothing helps. free_velocity: 6 per body, v
- * without impulses (null in the assembled form). Returns the distance from the goal. */
-double solver_solve(solver *s, const system_problem *problem, const double *free_velocity,
-                    const goal *wanted, double *r);
+/* Improve r, 3 per contact, until the goal is met or nothing helps. Returns how good r is; a contact
+ * that was solved alone has no distance from the goal. */
+verdict solver_solve(solver *s, const system_problem *problem, const goal *wanted, double *r);
 
 #endif

@@ -153,12 +153,16 @@ pub const TRIBO_METHOD_AUTOMATIC: u32 = 0;
 pub const TRIBO_METHOD_CLOSED: u32 = 1;
 /// by support functions alone; not for half-spaces
 pub const TRIBO_METHOD_GENERAL: u32 = 2;
-/// Gauss-Seidel first; Newton for the components of the system that it does not finish.
+/// Gauss-Seidel first; then Newton, in turns with sweeps that Anderson's method accelerates
+///  (Walker & Ni, SIAM J. Numer. Anal. 49 (2011) 1715), for the components of the system that it
+///  does not finish.
 pub const TRIBO_SOLVER_AUTO: u32 = 0;
 /// Sweeps of the exact solve of one contact after the other (Jourdan, Alart & Jean, Comput.
 ///  Methods Appl. Mech. Eng. 155 (1998) 31).
 pub const TRIBO_SOLVER_GAUSS_SEIDEL: u32 = 1;
-/// Proximal point and semismooth Newton: in the bodies' velocities, or on W.
+/// Proximal point and semismooth Newton, in the bodies' velocities or on W; and where that does
+///  not end soon, an interior-point method on the convex neighbour of the problem (Anitescu,
+///  Math. Program. 105 (2006) 113), which finds how a system can stand, whatever its size.
 pub const TRIBO_SOLVER_NEWTON: u32 = 2;
 /// The greatest eta of the contacts: tribo_measures of audit.h, with all of W.
 pub const TRIBO_MEASURE_ETA: u32 = 0;
@@ -717,7 +721,9 @@ pub struct tribo_collide_options {
     /// 1 to 4; 0: 4. The deepest stays, and what keeps most area: all of an
     /// overlap of up to four corners. Faces of boxes have up to eight; of
     /// random ones the best four corners keep 0.97 of the area on the mean,
-    /// 0.81 at worst, and 0.77 where the deepest is none of those
+    /// 0.81 at worst, and 0.74 where the deepest is none of those. Corners
+    /// as deep as the deepest to 1e-5 of the size are: area alone chooses,
+    /// and the deepest of those that stay tells the greatest depth
     pub max_points: u32,
     pub reserved: u32,
     /// surfaces up to this far apart count (speculative), >= 0, m
@@ -839,7 +845,7 @@ pub struct tribo_system_info {
     pub components: u32,
     /// Gauss-Seidel sweeps, of the component that had most
     pub sweeps: u64,
-    /// Newton steps, over all components
+    /// Newton's and interior steps, over all components
     pub steps: u64,
     /// matrices factored
     pub factorizations: u64,
@@ -1173,7 +1179,7 @@ pub struct tribo_step_info {
     pub frictionless: u64,
     /// of these, those with a length of resistance: six rows
     pub resisting: u64,
-    /// of these, those with a warm start
+    /// of these, those with an impulse of the last sub-step
     pub matched: u64,
     /// sub-steps with a contact solve
     pub contact_solves: u64,
@@ -1736,8 +1742,8 @@ extern "C" {
     ///  more than 1e-9 of the depth, one in 2500 by more than 1e-6, up to some 4e-3.
     ///
     ///  A gap is told along the normal, so it is never more than the true one. Closed forms but boxes:
-    ///  exact to rounding. General: to 1e-9 of the smaller size, 1e-7 where bodies are a hundred times
-    ///  as long as thick; one pair in 60000 is missed by more than 1 % of a gap of 1e-7 of the size.
+    ///  exact to rounding. General: to 2e-9 of the smaller size, and to 1 % of a gap of 1e-8 of that size
+    ///  or more; to 1e-8 of it where bodies are a hundred times as long as thick.
     ///  Two boxes in closed form part along a normal of a face or across two edges: where a corner is
     ///  nearest to a corner or an edge, that gap is less than the true one, and only
     ///  TRIBO_METHOD_GENERAL has the direction between the nearest points.

@@ -206,7 +206,7 @@ typedef struct tribo_step_info {
     uint64_t contacts;          /**< contact points held by the contact solves */
     uint64_t frictionless;      /**< of these, those with one row */
     uint64_t resisting;         /**< of these, those with a length of resistance: six rows */
-    uint64_t matched;           /**< of these, those with a warm start */
+    uint64_t matched;           /**< of these, those with an impulse of the last sub-step */
     uint64_t contact_solves;    /**< sub-steps with a contact solve */
     uint64_t impact_solves;     /**< sub-steps with an impact solve */
     uint64_t impacts;           /**< contact points that had restitution in one */

@@ -63,12 +63,16 @@ typedef struct tribo_system_contact {
 
 /** Solvers. */
 enum {
-    /** Gauss-Seidel first; Newton for the components of the system that it does not finish. */
+    /** Gauss-Seidel first; then Newton, in turns with sweeps that Anderson's method accelerates
+     *  (Walker & Ni, SIAM J. Numer. Anal. 49 (2011) 1715), for the components of the system that it
+     *  does not finish. */
     TRIBO_SOLVER_AUTO = 0,
     /** Sweeps of the exact solve of one contact after the other (Jourdan, Alart & Jean, Comput.
      *  Methods Appl. Mech. Eng. 155 (1998) 31). */
     TRIBO_SOLVER_GAUSS_SEIDEL = 1,
-    /** Proximal point and semismooth Newton: in the bodies' velocities, or on W. */
+    /** Proximal point and semismooth Newton, in the bodies' velocities or on W; and where that does
+     *  not end soon, an interior-point method on the convex neighbour of the problem (Anitescu,
+     *  Math. Program. 105 (2006) 113), which finds how a system can stand, whatever its size. */
     TRIBO_SOLVER_NEWTON = 2
 };
 
@@ -119,7 +123,7 @@ typedef struct tribo_system_info {
     uint32_t solver;         /**< the TRIBO_SOLVER_... that gave the result */
     uint32_t components;     /**< connected components (islands) of the system */
     uint64_t sweeps;         /**< Gauss-Seidel sweeps, of the component that had most */
-    uint64_t steps;          /**< Newton steps, over all components */
+    uint64_t steps;          /**< Newton's and interior steps, over all components */
     uint64_t factorizations; /**< matrices factored */
     double eta;              /**< greatest natural-map residual of a contact, no unit */
     double eta_rms;          /**< root mean square of the same */
