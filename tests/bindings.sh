@@ -4,7 +4,7 @@
 #   tests/bindings.sh [--update]      --update writes bindings/api.json, bindings/vectors.json and what
 #                                     bindings generate from them anew
 set -u
-SRCDIR=${SRCDIR:-.}
+SRCDIR=$(cd "${SRCDIR:-.}" && pwd)
 BUILD=${BUILD:-$SRCDIR/build}
 vectors=$BUILD/bindings/vectors
 cd "$SRCDIR/bindings" || exit 2
