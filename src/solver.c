@@ -20,6 +20,8 @@
  * seems to stand: its matrices are symmetric, and Newton's first turn would cost more. From a start
  * Newton goes first: what it finds is near. */
 #define DEAR 200.0
+/* A sweep that leaps, with its share of judging, takes as long as so many that do not. */
+#define LEAPING 2.0
 /* Newton steps' worth of sweeps that leap before Newton's first turn, where they are so dear. */
 #define FIRST_LEAPS 8.0
 /* Share of Newton's residual at which it goes on from where the sweeps are. */
@@ -277,7 +279,7 @@ typedef struct turns {
  * receives what they found. */
 static int take_sweeps(solver *s, const system_problem *p, turns *t, double steps, double *r)
 {
-    const double due = t->price * steps;
+    const double due = t->price * steps / (t->leaps != NULL ? LEAPING : 1.0);
     const uint64_t left = s->most - *t->sweeps;
     const uint64_t most = *t->sweeps + (due < (double)left ? (uint64_t)due : left);
 
@@ -298,12 +300,12 @@ static int take_sweeps(solver *s, const system_problem *p, turns *t, double step
 static double run_turns(solver *s, const system_problem *p, turns *t, double *r)
 {
     const uint32_t alone = s->options->solver == TRIBO_SOLVER_NEWTON;
-    uint32_t rounds_due = interior_possible(p);
+    uint32_t rounds_due = interior_possible(p) != 0 && (alone != 0 || stands(s, p, t->swept));
     uint64_t turn = FIRST_TURN;
 
     newton_start(s->newton, p, t->wanted, &s->run, r);
     if (t->price >= DEAR && !alone && is_zero(3 * (size_t)p->count, r)) {
-        if (rounds_due != 0 && stands(s, p, t->swept)) {
+        if (rounds_due != 0) {
             if (run_interior(s, p, t->wanted, r) <= 1.0)
                 return 0.0;
             rounds_due = 0;
