@@ -15,22 +15,23 @@ static const dense_table *table_of(uint32_t isa)
     return &dense_baseline;
 }
 
-int dense_cholesky(uint32_t isa, uint32_t n, double *a)
+int dense_cholesky(uint32_t isa, const dense_shape *shape, double *a)
 {
-    return table_of(isa)->cholesky(n, a);
+    return table_of(isa)->cholesky(shape, a);
 }
 
-void dense_cholesky_solve(uint32_t isa, uint32_t n, const double *a, double *x)
+void dense_cholesky_solve(uint32_t isa, const dense_shape *shape, const double *a, double *x)
 {
-    table_of(isa)->cholesky_solve(n, a, x);
+    table_of(isa)->cholesky_solve(shape, a, x);
 }
 
-int dense_lu(uint32_t isa, uint32_t n, double *a, uint32_t *pivots)
+int dense_lu(uint32_t isa, const dense_shape *shape, double *a, uint32_t *pivots)
 {
-    return table_of(isa)->lu(n, a, pivots);
+    return table_of(isa)->lu(shape, a, pivots);
 }
 
-void dense_lu_solve(uint32_t isa, uint32_t n, const double *a, const uint32_t *pivots, double *x)
+void dense_lu_solve(uint32_t isa, const dense_shape *shape, const double *a, const uint32_t *pivots,
+                    double *x)
 {
-    table_of(isa)->lu_solve(n, a, pivots, x);
+    table_of(isa)->lu_solve(shape, a, pivots, x);
 }

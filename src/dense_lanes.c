@@ -1,4 +1,4 @@
-/* Dense factorisations by blocks of eight rows: the diagonal block (or panel), then its rows to the
+/* Factorisations by blocks of eight rows: the diagonal block (or panel), then its rows to the
  * right, then all rows below by an update of rank eight. Every loop over lanes is eight columns
  * side by side, and each number takes its products one after the other, by rising row: neither the
  * blocks nor the width of vectors show in the bits. */
@@ -42,10 +42,16 @@ TRIBO_ALWAYS_INLINE double subtract(double y, const double *l, column c)
     return y - l[7] * c.x7;
 }
 
-/* Numbers of a row that are worked on: up to seven beyond the n-th are scratch. */
-static size_t width_of(uint32_t n)
+/* The columns that are worked on: up to seven beyond the n-th are scratch. */
+static size_t width_of(size_t n)
 {
-    return ((size_t)n + 7) / 8 * 8;
+    return (n + 7) / 8 * 8;
+}
+
+/* End of what is `reach` rows or columns beyond the block at k. */
+static size_t end_of(size_t n, size_t k, size_t reach)
+{
+    return n < k + BLOCK + reach ? n : k + BLOCK + reach;
 }
 
 /* ---- update of rank eight -------------------------------------------------------------------- */
@@ -167,11 +173,12 @@ static void gather(size_t ld, const double *u, double l[4 * BLOCK])
     }
 }
 
-/* All rows below the block at k, less their products with its eight rows. */
-static void update_symmetric(uint32_t n, size_t k, size_t ld, double *a)
+/* All rows below the block at k up to `end`, less their products with its eight rows. Beyond the
+ * band there are zeros: rows go by fours as long as there are any. */
+static void update_symmetric(uint32_t n, size_t k, size_t end, size_t ld, double *a)
 {
-    const size_t width = width_of(n);
-    for (size_t i = k + BLOCK; i < n; i += 4) {
+    const size_t width = width_of(end);
+    for (size_t i = k + BLOCK; i < end; i += 4) {
         const size_t from = i / BLOCK * BLOCK;
         const double *u = a + k * ld + from;
         double l[4 * BLOCK];
@@ -187,18 +194,20 @@ static void update_symmetric(uint32_t n, size_t k, size_t ld, double *a)
     }
 }
 
-static int cholesky(uint32_t n, double *a)
+static int cholesky(const dense_shape *shape, double *a)
 {
-    const size_t ld = dense_stride(n);
+    const uint32_t n = shape->n;
+    const size_t ld = shape->stride;
     for (size_t k = 0; k < n; k += BLOCK) {
         double block[BLOCK][BLOCK];
         const uint32_t rows = n - k < BLOCK ? (uint32_t)(n - k) : BLOCK;
+        const size_t end = end_of(n, k, shape->band);
         if (!factor_corner(rows, ld, a + k * ld + k, block)) {
             return 0;
         }
         if (rows == BLOCK) {
-            divide_block_rows(width_of(n) - k - BLOCK, block, ld, a + k * ld + k + BLOCK);
-            update_symmetric(n, k, ld, a);
+            divide_block_rows(width_of(end) - k - BLOCK, block, ld, a + k * ld + k + BLOCK);
+            update_symmetric(n, k, end, ld, a);
         }
     }
     return 1;
@@ -223,49 +232,74 @@ static double dot(size_t from, size_t n, const double *restrict a, const double 
            ((sums[1] + sums[5]) + (sums[3] + sums[7]));
 }
 
-/* U x = b, reciprocals on the diagonal. */
-static void solve_upper(uint32_t n, size_t ld, const double *a, double *x)
+/* U x = b, reciprocals on the diagonal, `reach` numbers to the right of it. */
+static void solve_upper(const dense_shape *shape, size_t reach, const double *a, double *x)
 {
-    for (size_t i = n; i-- > 0;) {
-        x[i] = (x[i] - dot(i + 1, n, a + i * ld, x)) * a[i * ld + i];
+    for (size_t i = shape->n; i-- > 0;) {
+        const double *row = a + i * shape->stride;
+        const size_t end = shape->n - i > reach ? i + 1 + reach : shape->n;
+        x[i] = (x[i] - dot(i + 1, end, row, x)) * row[i];
     }
 }
 
-static void cholesky_solve(uint32_t n, const double *a, double *x)
+static void cholesky_solve(const dense_shape *shape, const double *a, double *x)
 {
-    const size_t ld = dense_stride(n);
+    const size_t n = shape->n;
     for (size_t i = 0; i < n; i++) {
-        const double *row = a + i * ld;
+        const double *row = a + i * shape->stride;
+        const size_t end = n - i > shape->band ? i + 1 + shape->band : n;
         const double y = x[i] * row[i];
         x[i] = y;
-        for (size_t j = i + 1; j < n; j++) {
+        for (size_t j = i + 1; j < end; j++) {
             x[j] -= row[j] * y;
         }
     }
-    solve_upper(n, ld, a, x);
+    solve_upper(shape, shape->band, a, x);
 }
 
-static void lu_solve(uint32_t n, const double *a, const uint32_t *pivots, double *x)
+/* The columns of L from k on, `columns` of them, whose rows were exchanged together. */
+static void solve_panel(const dense_shape *shape, size_t k, size_t columns, const double *a,
+                        const uint32_t *pivots, double *x)
 {
-    const size_t ld = dense_stride(n);
-    for (size_t i = 0; i < n; i++) {
+    const size_t end = end_of(shape->n, k, shape->band);
+    for (size_t i = k; i < k + columns; i++) {
         const double y = x[pivots[i]];
         x[pivots[i]] = x[i];
         x[i] = y;
     }
-    for (size_t i = 1; i < n; i++) {
-        x[i] -= dot(0, i, a + i * ld, x);
+    for (size_t i = k + 1; i < k + columns; i++) {
+        const double *row = a + i * shape->stride;
+        for (size_t j = k; j < i; j++) {
+            x[i] -= row[j] * x[j];
+        }
     }
-    solve_upper(n, ld, a, x);
+    for (size_t i = k + BLOCK; i < end; i++) {
+        const double *row = a + i * shape->stride + k;
+        double sums[BLOCK];
+        for (size_t j = 0; j < BLOCK; j++) {
+            sums[j] = row[j] * x[k + j];
+        }
+        x[i] -= ((sums[0] + sums[4]) + (sums[2] + sums[6])) +
+                ((sums[1] + sums[5]) + (sums[3] + sums[7]));
+    }
+}
+
+static void lu_solve(const dense_shape *shape, const double *a, const uint32_t *pivots, double *x)
+{
+    const size_t n = shape->n;
+    for (size_t k = 0; k < n; k += BLOCK) {
+        solve_panel(shape, k, n - k < BLOCK ? n - k : BLOCK, a, pivots, x);
+    }
+    solve_upper(shape, 2 * (size_t)shape->band, a, x);
 }
 
 /* ---- LU -------------------------------------------------------------------------------------- */
 
-static size_t find_pivot(uint32_t n, size_t ld, const double *a, size_t k)
+static size_t find_pivot(size_t end, size_t ld, const double *a, size_t k)
 {
     size_t at = k;
     double greatest = -1.0;
-    for (size_t i = k; i < n; i++) {
+    for (size_t i = k; i < end; i++) {
         const double size = fabs(a[i * ld + k]);
         at = size > greatest ? i : at;
         greatest = size > greatest ? size : greatest;
@@ -297,16 +331,17 @@ static void eliminate(size_t rows, size_t ld, double reciprocal, size_t at, cons
     }
 }
 
-/* Columns k to k + 7 (of which `columns` are there) of all rows from k on. */
-static int factor_panel(uint32_t n, size_t k, size_t columns, size_t ld, double *a,
+/* Columns k to k + 7 (of which `columns` are there) of the rows from k to `end`; these are
+ * exchanged up to column `right`. */
+static int factor_panel(size_t k, size_t columns, size_t end, size_t right, size_t ld, double *a,
                         uint32_t *pivots)
 {
     for (size_t c = 0; c < columns; c++) {
         const size_t row = k + c;
-        const size_t pivot = find_pivot(n, ld, a, row);
+        const size_t pivot = find_pivot(end, ld, a, row);
         pivots[row] = (uint32_t)pivot;
         if (pivot != row) {
-            swap_rows(width_of(n), a + row * ld, a + pivot * ld);
+            swap_rows(right - k, a + row * ld + k, a + pivot * ld + k);
         }
         const double reciprocal = 1.0 / a[row * ld + row];
         if (!(fabs(a[row * ld + row]) <= DBL_MAX && fabs(reciprocal) <= DBL_MAX)) {
@@ -316,18 +351,18 @@ static int factor_panel(uint32_t n, size_t k, size_t columns, size_t ld, double 
         for (size_t j = 0; j < BLOCK; j++) {
             r[j] = j > c ? a[row * ld + k + j] : 0.0;
         }
-        eliminate(n - row - 1, ld, reciprocal, c, r, a + (row + 1) * ld + k);
+        eliminate(end - row - 1, ld, reciprocal, c, r, a + (row + 1) * ld + k);
         a[row * ld + row] = reciprocal;
     }
     return 1;
 }
 
-/* The rows of the block at k to the right of its panel (U_12 = L_11^-1 A_12), then all rows
- * below. */
-static void update_right(uint32_t n, size_t k, size_t ld, double *a)
+/* The rows of the block at k to the right of its panel (U_12 = L_11^-1 A_12), then the rows
+ * below up to `end`; columns up to `right`. */
+static void update_right(size_t k, size_t end, size_t right, size_t ld, double *a)
 {
     const size_t from = k + BLOCK;
-    const size_t width = width_of(n) - from;
+    const size_t width = right - from;
     double block[BLOCK][BLOCK];
     for (size_t i = 0; i < BLOCK; i++) {
         for (size_t j = 0; j < BLOCK; j++) {
@@ -337,7 +372,7 @@ static void update_right(uint32_t n, size_t k, size_t ld, double *a)
     divide_block_rows(width, block, ld, a + k * ld + from);
     const double *u = a + k * ld + from;
     size_t i = from;
-    for (; i + 4 <= n; i += 4) {
+    for (; i + 4 <= end; i += 4) {
         double l[4 * BLOCK];
         for (size_t s = 0; s < 4; s++) {
             for (size_t j = 0; j < BLOCK; j++) {
@@ -347,21 +382,24 @@ static void update_right(uint32_t n, size_t k, size_t ld, double *a)
         double *c = a + i * ld + from;
         update_four(width, l, ld, u, c, c + ld, c + 2 * ld, c + 3 * ld);
     }
-    for (; i < n; i++) {
+    for (; i < end; i++) {
         update_one(width, a + i * ld + k, ld, u, a + i * ld + from);
     }
 }
 
-static int lu(uint32_t n, double *a, uint32_t *pivots)
+static int lu(const dense_shape *shape, double *a, uint32_t *pivots)
 {
-    const size_t ld = dense_stride(n);
+    const size_t n = shape->n;
+    const size_t ld = shape->stride;
     for (size_t k = 0; k < n; k += BLOCK) {
         const size_t columns = n - k < BLOCK ? n - k : BLOCK;
-        if (!factor_panel(n, k, columns, ld, a, pivots)) {
+        const size_t end = end_of(n, k, shape->band);
+        const size_t right = width_of(end_of(n, k, 2 * (size_t)shape->band));
+        if (!factor_panel(k, columns, end, right, ld, a, pivots)) {
             return 0;
         }
         if (n - k > BLOCK) {
-            update_right(n, k, ld, a);
+            update_right(k, end, right, ld, a);
         }
     }
     return 1;

@@ -1,6 +1,5 @@
 #include "newton_state.h"
 
-#include "dense.h"
 #include "resist.h"
 
 /* A step without its elimination takes as long as so many sweeps; a contact of a sweep as long as so
@@ -19,8 +18,9 @@ static void take_matrix(newton *n, arena *a, uint32_t rows, size_t entries, cons
     const uint32_t small = rows < run->dense_limit ? rows : run->dense_limit;
 
     n->x = numbers(a, rows);
-    n->dense = numbers(a, small * dense_stride(small));
-    n->pivots = arena_take(a, small, sizeof(uint32_t));
+    n->room = small * dense_stride(small);
+    n->dense = numbers(a, n->room);
+    n->pivots = arena_take(a, rows, sizeof(uint32_t));
     if (run->linear == NULL || rows <= small)
         return;
     n->row_starts = arena_take(a, (size_t)rows + 1, sizeof(uint32_t));
@@ -41,6 +41,7 @@ void step_take(newton *n, arena *a, uint32_t count, uint32_t bodies, size_t link
     if (bodies != 0) {
         n->half = numbers(a, 36 * (size_t)count);
         n->root = numbers(a, 6 * (size_t)bodies);
+        n->rank = arena_take(a, bodies, sizeof(uint32_t));
         n->starts = arena_take(a, (size_t)bodies + 2, sizeof(uint32_t));
         n->neighbours = arena_take(a, links + bodies, sizeof(uint32_t));
         take_matrix(n, a, 6 * bodies, 36 * (links + bodies), run);
@@ -52,15 +53,39 @@ void step_take(newton *n, arena *a, uint32_t count, uint32_t bodies, size_t link
 
 /* ---- factorisation --------------------------------------------------------------------------- */
 
-static uint32_t is_dense(uint32_t rows, const newton_run *run)
+/* Narrow matrices have room where wide ones of fewer rows have. */
+static void choose_shape(newton *n, uint32_t rows, uint32_t band, const newton_run *run)
 {
-    return rows <= run->dense_limit;
+    n->shape = dense_shape_of(rows, band);
+    n->is_dense = rows <= run->dense_limit || n->shape.numbers <= n->room ? 1 : 0;
 }
 
-static int factor_dense(newton *n, uint32_t rows, const newton_run *run)
+/* Those of LU; Cholesky takes half. */
+static double dense_operations(const dense_shape *shape)
 {
-    return n->symmetric != 0 ? dense_cholesky(run->isa, rows, n->dense)
-                             : dense_lu(run->isa, rows, n->dense, n->pivots);
+    const double rows = (double)shape->n;
+    const double below = lesser(rows, (double)shape->band + 8.0);
+    const double beside = lesser(rows, 2.0 * (double)shape->band + 8.0);
+
+    return DENSE_SHARE * rows * below * beside;
+}
+
+/* Entry (0, 0). */
+static double *dense_entries(const newton *n)
+{
+    return n->dense + n->shape.origin;
+}
+
+static void clear_dense(newton *n)
+{
+    for (size_t i = 0; i < n->shape.numbers; i++)
+        n->dense[i] = 0.0;
+}
+
+static int factor_dense(newton *n, const newton_run *run)
+{
+    return n->symmetric != 0 ? dense_cholesky(run->isa, &n->shape, dense_entries(n))
+                             : dense_lu(run->isa, &n->shape, dense_entries(n), n->pivots);
 }
 
 static int note_status(tribo_status status, newton_run *run)
@@ -78,8 +103,8 @@ static int factor(newton *n, uint32_t rows, newton_run *run)
     if (rows == 0)
         return 1;
     run->factorizations++;
-    if (is_dense(rows, run))
-        return factor_dense(n, rows, run);
+    if (n->is_dense != 0)
+        return factor_dense(n, run);
     if (n->symmetric != 0 && n->problem->bodies != 0)
         return note_status(linear->factor(linear->context, rows, n->lower_starts, n->lower_columns,
                                           n->lower_values, 1),
@@ -94,12 +119,12 @@ static int substitute(newton *n, uint32_t rows, newton_run *run)
 {
     if (rows == 0)
         return 1;
-    if (!is_dense(rows, run))
+    if (n->is_dense == 0)
         return note_status(run->linear->solve(run->linear->context, n->x), run);
     if (n->symmetric != 0)
-        dense_cholesky_solve(run->isa, rows, n->dense, n->x);
+        dense_cholesky_solve(run->isa, &n->shape, dense_entries(n), n->x);
     else
-        dense_lu_solve(run->isa, rows, n->dense, n->pivots, n->x);
+        dense_lu_solve(run->isa, &n->shape, dense_entries(n), n->pivots, n->x);
     return 1;
 }
 
@@ -148,18 +173,17 @@ static double block_entry(const newton *n, size_t c, const double *w, uint32_t d
     return diagonal != 0 ? sum + n->own[9 * c + 3 * (size_t)i + j] : sum;
 }
 
-static void fill_dense_blocks(newton *n, uint32_t rows)
+static void fill_dense_blocks(newton *n)
 {
     const system_problem *p = n->problem;
-    const size_t stride = dense_stride(rows);
+    const size_t stride = n->shape.stride;
 
-    for (size_t i = 0; i < rows * stride; i++)
-        n->dense[i] = 0.0;
+    clear_dense(n);
     for (size_t c = 0; c < p->count; c++) {
         for (size_t k = p->row_starts[c]; k < p->row_starts[c + 1]; k++) {
             const size_t d = p->columns[k];
             for (uint32_t i = 0; i < rows_of(n, c); i++) {
-                double *row = n->dense + (n->place[c] + i) * stride + n->place[d];
+                double *row = dense_entries(n) + (n->place[c] + i) * stride + n->place[d];
                 for (uint32_t j = 0; j < rows_of(n, d); j++)
                     row[j] = block_entry(n, c, p->blocks + 9 * k, c == d, i, j);
             }
@@ -206,8 +230,9 @@ static int step_on_blocks(newton *n, newton_run *run)
 {
     const uint32_t rows = number_rows(n);
 
-    if (is_dense(rows, run))
-        fill_dense_blocks(n, rows);
+    choose_shape(n, rows, rows, run);
+    if (n->is_dense != 0)
+        fill_dense_blocks(n);
     else
         fill_sparse_blocks(n);
     return factor(n, rows, run) && solve_blocks(n, rows, run);
@@ -232,15 +257,15 @@ static void root_of(const double j[6], double l[6])
     l[5] = d2 > 4.0 * TRIBO_EPS * j[5] ? sqrt(d2) : 0.0;
 }
 
-/* One side of a contact: 3 x 6, rows n, t1, t2. */
-static void half_of(const newton *n, size_t c, uint32_t side, double half[18])
+/* One side of a contact: six columns of rows n, t1, t2. */
+static void half_of(const newton *n, size_t c, uint32_t side, double *half)
 {
     const system_problem *p = n->problem;
     const uint32_t body = p->pairs[2 * c + side];
     const double sign = side == 0 ? 1.0 : -1.0;
 
     for (int i = 0; i < 18; i++)
-        half[i] = 0.0;
+        half[i / 6 * 12 + i % 6] = 0.0;
     if (body == TRIBO_WORLD)
         return;
     const double m = sign * sqrt(p->inverse_mass[body] / n->unit);
@@ -248,7 +273,7 @@ static void half_of(const newton *n, size_t c, uint32_t side, double half[18])
     for (int k = 0; k < 3; k++) {
         const double *f = p->frames + 9 * c + 3 * (size_t)k;
         const double *t = p->turns + 18 * c + 9 * (size_t)side + 3 * (size_t)k;
-        double *row = half + 6 * k;
+        double *row = half + 12 * k;
         row[0] = m * f[0];
         row[1] = m * f[1];
         row[2] = m * f[2];
@@ -329,54 +354,38 @@ static uint32_t slot_of(const newton *n, uint32_t row, uint32_t body)
 }
 
 /* Where block (row, column) starts, and how far its rows are apart. */
-static double *block_of(const newton *n, uint32_t dense, uint32_t row, uint32_t column,
-                        size_t *stride)
+static double *block_of(const newton *n, uint32_t row, uint32_t column, size_t *stride)
 {
-    if (dense != 0) {
-        *stride = dense_stride(6 * n->problem->bodies);
-        return n->dense + 6 * (size_t)row * *stride + 6 * (size_t)column;
+    if (n->is_dense != 0) {
+        *stride = n->shape.stride;
+        return dense_entries(n) + 6 * (n->rank[row] * *stride + n->rank[column]);
     }
     *stride = 6 * (size_t)(n->starts[row + 1] - n->starts[row]);
     return n->values + 36 * (size_t)n->starts[row] + 6 * (size_t)slot_of(n, row, column);
 }
 
-static void prepare_bodies(newton *n, uint32_t dense)
+/* The rows of scalars of the graph of bodies, and those of its lower triangle. */
+static void spread_rows(newton *n)
 {
-    const system_problem *p = n->problem;
-
-    for (size_t i = 0; i < p->bodies; i++) {
-        double scaled[6];
-        for (size_t k = 0; k < 6; k++)
-            scaled[k] = p->inverse_inertia[6 * i + k] / n->unit;
-        root_of(scaled, n->root + 6 * i);
-    }
-    for (size_t c = 0; c < p->count; c++) {
-        half_of(n, c, 0, n->half + 36 * c);
-        half_of(n, c, 1, n->half + 36 * c + 18);
-    }
-    if (dense != 0)
-        return;
-    link_bodies(n);
-    tidy_links(n);
+    const uint32_t rows = 6 * n->problem->bodies;
     uint32_t at = 0;
-    for (uint32_t i = 0; i < p->bodies; i++) {
-        for (uint32_t k = 0; k < 6; k++) {
-            n->row_starts[6 * i + k] = at;
-            for (uint32_t b = n->starts[i]; b < n->starts[i + 1]; b++) {
-                for (uint32_t j = 0; j < 6; j++)
-                    n->columns[at++] = 6 * n->neighbours[b] + j;
-            }
+
+    for (uint32_t row = 0; row < rows; row++) {
+        n->row_starts[row] = at;
+        for (uint32_t b = n->starts[row / 6]; b < n->starts[row / 6 + 1]; b++) {
+            for (uint32_t j = 0; j < 6; j++)
+                n->columns[at++] = 6 * n->neighbours[b] + j;
         }
     }
-    n->row_starts[6 * p->bodies] = at;
+    n->row_starts[rows] = at;
     at = 0;
-    for (uint32_t row = 0; row < 6 * p->bodies; row++) {
+    for (uint32_t row = 0; row < rows; row++) {
         n->lower_starts[row] = at;
         for (uint32_t k = n->row_starts[row]; n->columns[k] < row; k++)
             n->lower_columns[at++] = n->columns[k];
         n->lower_columns[at++] = row;
     }
-    n->lower_starts[6 * p->bodies] = at;
+    n->lower_starts[rows] = at;
 }
 
 static void copy_lower(newton *n)
@@ -413,46 +422,66 @@ static int invert3(const double a[9], double out[9])
     return 1;
 }
 
-/* block += L^T D R, L and R 3 x 6. */
-static void add_product(const double *left, const double d[9], const double *right, double *block,
-                        size_t stride)
+/* sum += L^T D R, L and R 3 x 12. */
+static void add_product(const double *restrict left, const double d[9],
+                        const double *restrict right, double *restrict sum)
 {
-    double s[18];
+    double s[36];
 
     for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 6; j++)
-            s[6 * i + j] =
-                d[3 * i] * right[j] + d[3 * i + 1] * right[6 + j] + d[3 * i + 2] * right[12 + j];
+        for (int j = 0; j < 12; j++)
+            s[12 * i + j] =
+                d[3 * i] * right[j] + d[3 * i + 1] * right[12 + j] + d[3 * i + 2] * right[24 + j];
     }
-    for (int i = 0; i < 6; i++) {
-        double *row = block + (size_t)i * stride;
-        for (int j = 0; j < 6; j++)
-            row[j] += left[i] * s[j] + left[6 + i] * s[6 + j] + left[12 + i] * s[12 + j];
+    for (int i = 0; i < 12; i++) {
+        for (int j = 0; j < 12; j++)
+            sum[12 * i + j] += left[i] * s[j] + left[12 + i] * s[12 + j] + left[24 + i] * s[24 + j];
     }
 }
 
-/* The matrix of the bodies of contact c, += H_c^T D H_d; contact d has the same bodies. */
-static void add_blocks(newton *n, uint32_t dense, size_t c, size_t d_at, const double d[9])
-{
-    const double *half = n->half + 36 * c;
-    const double *other = n->half + 36 * d_at;
-    const uint32_t *pair = n->problem->pairs + 2 * c;
+/* What contacts of one pair of bodies, one after the other, bring to the matrix. */
+typedef struct couple {
+    const uint32_t *pair; /* null: nothing yet */
+    double sum[144];
+} couple;
 
-    for (uint32_t i = 0; i < 2; i++) {
-        for (uint32_t j = 0; j < 2; j++) {
+static void clear_couple(couple *of, const uint32_t *pair)
+{
+    of->pair = pair;
+    for (int i = 0; i < 144; i++)
+        of->sum[i] = 0.0;
+}
+
+/* Add what is there to the matrix. */
+static void give_couple(newton *n, const couple *of)
+{
+    for (size_t i = 0; of->pair != NULL && i < 2; i++) {
+        for (size_t j = 0; j < 2; j++) {
             size_t stride;
-            if (pair[i] == TRIBO_WORLD || pair[j] == TRIBO_WORLD)
+            if (of->pair[i] == TRIBO_WORLD || of->pair[j] == TRIBO_WORLD)
                 continue;
-            double *block = block_of(n, dense, pair[i], pair[j], &stride);
-            add_product(half + 18 * (size_t)i, d, other + 18 * (size_t)j, block, stride);
+            double *block = block_of(n, of->pair[i], of->pair[j], &stride);
+            for (size_t k = 0; k < 36; k++)
+                block[k / 6 * stride + k % 6] += of->sum[72 * i + 6 * j + k / 6 * 12 + k % 6];
         }
     }
 }
 
+/* The matrix of the bodies of contact c, += H_c^T D H_d; contact d has the same bodies. */
+static void add_blocks(newton *n, couple *of, size_t c, size_t d_at, const double d[9])
+{
+    const uint32_t *pair = n->problem->pairs + 2 * c;
+
+    if (of->pair == NULL || of->pair[0] != pair[0] || of->pair[1] != pair[1]) {
+        give_couple(n, of);
+        clear_couple(of, pair);
+    }
+    add_product(n->half + 36 * c, d, n->half + 36 * d_at, of->sum);
+}
+
 /* The step of a torque is -known - D du + lag dr_n, with lag = A^-1 lead and dr_n by the step of
  * the contact before it: a part of that is known, the other couples the two. */
-static void follow_normal(newton *n, uint32_t dense, size_t c, const double inverse[9],
-                          double known[3])
+static void follow_normal(newton *n, couple *of, size_t c, const double inverse[9], double known[3])
 {
     const double *before = n->slope + 9 * (c - 1);
     double *lag = n->lead + 3 * c;
@@ -466,31 +495,32 @@ static void follow_normal(newton *n, uint32_t dense, size_t c, const double inve
             across[3 * i + k] = n->unit * (lag[i] * before[k]);
     }
     if (n->mode[c] == SLIP)
-        add_blocks(n, dense, c, c - 1, across);
+        add_blocks(n, of, c, c - 1, across);
 }
 
-static void clear_matrix(newton *n, uint32_t dense)
+static void clear_matrix(newton *n)
 {
-    const system_problem *p = n->problem;
-    const uint32_t rows = 6 * p->bodies;
-    const size_t size = dense != 0 ? rows * dense_stride(rows) : 36 * (size_t)n->starts[p->bodies];
-    double *values = dense != 0 ? n->dense : n->values;
+    const uint32_t bodies = n->problem->bodies;
 
-    for (size_t i = 0; i < size; i++)
-        values[i] = 0.0;
-    for (uint32_t i = 0; i < p->bodies; i++) {
+    if (n->is_dense != 0) {
+        clear_dense(n);
+    } else {
+        for (size_t i = 0; i < 36 * (size_t)n->starts[bodies]; i++)
+            n->values[i] = 0.0;
+    }
+    for (uint32_t i = 0; i < bodies; i++) {
         size_t stride;
-        double *block = block_of(n, dense, i, i, &stride);
+        double *block = block_of(n, i, i, &stride);
         for (size_t k = 0; k < 6; k++)
             block[k * stride + k] = 1.0;
     }
-    for (uint32_t i = 0; i < rows; i++)
+    for (uint32_t i = 0; i < 6 * bodies; i++)
         n->x[i] = 0.0;
 }
 
 /* slope = D = A^-1 P E, step = A^-1 F. An open contact has P = 0, A = g, F = g r, and so has its
  * torque: such impulses vanish at once, as in number_rows. */
-static int reduce_contact(newton *n, uint32_t dense, size_t c)
+static int reduce_contact(newton *n, couple *of, size_t c)
 {
     const int turns = resist_is_torque(n->problem, c);
     double *slope = n->slope + 9 * c;
@@ -514,32 +544,36 @@ static int reduce_contact(newton *n, uint32_t dense, size_t c)
     copy(9, d, slope);
     apply3(inverse, n->right + 3 * c, known);
     if (turns)
-        follow_normal(n, dense, c, inverse, known);
+        follow_normal(n, of, c, inverse, known);
     return 1;
 }
 
 /* x -= H^T of what is known of the step of contact c. */
 static void load_contact(newton *n, size_t c)
 {
-    const double *half = n->half + 36 * c;
     const double *known = n->step + 3 * c;
 
     for (uint32_t side = 0; side < 2; side++) {
         const uint32_t body = n->problem->pairs[2 * c + side];
-        for (uint32_t j = 0; j < 6 && body != TRIBO_WORLD; j++) {
-            const double *h = half + 18 * (size_t)side + j;
-            n->x[6 * body + j] -= n->unit * (h[0] * known[0] + h[6] * known[1] + h[12] * known[2]);
-        }
+        const double *h = n->half + 36 * c + 6 * (size_t)side;
+        if (body == TRIBO_WORLD)
+            continue;
+        double *x = n->x + 6 * (size_t)n->rank[body];
+        for (size_t j = 0; j < 6; j++)
+            x[j] -= n->unit * (h[j] * known[0] + h[12 + j] * known[1] + h[24 + j] * known[2]);
     }
 }
 
-static int fill_bodies(newton *n, uint32_t dense)
+static int fill_bodies(newton *n)
 {
-    clear_matrix(n, dense);
+    couple of;
+
+    clear_matrix(n);
+    clear_couple(&of, NULL);
     for (size_t c = 0; c < n->problem->count; c++) {
         const double *known = n->step + 3 * c;
         double d[9];
-        if (!reduce_contact(n, dense, c))
+        if (!reduce_contact(n, &of, c))
             return 0;
         for (size_t i = 0; i < 9; i++)
             d[i] = n->unit * n->slope[9 * c + i];
@@ -547,9 +581,10 @@ static int fill_bodies(newton *n, uint32_t dense)
             continue;
         load_contact(n, c);
         if (n->mode[c] != OPEN)
-            add_blocks(n, dense, c, c, d);
+            add_blocks(n, &of, c, c, d);
     }
-    if (n->symmetric != 0 && dense == 0)
+    give_couple(n, &of);
+    if (n->symmetric != 0 && n->is_dense == 0)
         copy_lower(n);
     return 1;
 }
@@ -560,10 +595,14 @@ static void move_contact(const newton *n, size_t c, double moved[3])
     moved[0] = moved[1] = moved[2] = 0.0;
     for (uint32_t side = 0; side < 2; side++) {
         const uint32_t body = n->problem->pairs[2 * c + side];
-        for (uint32_t k = 0; k < 3 && body != TRIBO_WORLD; k++) {
-            const double *h = n->half + 36 * c + 18 * (size_t)side + 6 * (size_t)k;
-            for (uint32_t j = 0; j < 6; j++)
-                moved[k] += h[j] * n->x[6 * body + j];
+        const double *h = n->half + 36 * c + 6 * (size_t)side;
+        if (body == TRIBO_WORLD)
+            continue;
+        const double *x = n->x + 6 * (size_t)n->rank[body];
+        for (size_t j = 0; j < 6; j++) {
+            moved[0] += h[j] * x[j];
+            moved[1] += h[12 + j] * x[j];
+            moved[2] += h[24 + j] * x[j];
         }
     }
 }
@@ -598,37 +637,10 @@ static int step_on_bodies(newton *n, newton_run *run)
 {
     const uint32_t rows = 6 * n->problem->bodies;
 
-    return fill_bodies(n, is_dense(rows, run)) && factor(n, rows, run) && solve_bodies(n, run);
+    return fill_bodies(n) && factor(n, rows, run) && solve_bodies(n, run);
 }
 
-/* ---- steps ----------------------------------------------------------------------------------- */
-
-void step_prepare(newton *n, const newton_run *run)
-{
-    if (n->problem->bodies != 0)
-        prepare_bodies(n, is_dense(6 * n->problem->bodies, run));
-}
-
-int step_solve(newton *n, newton_run *run)
-{
-    return n->problem->bodies != 0 ? step_on_bodies(n, run) : step_on_blocks(n, run);
-}
-
-int step_again(newton *n, newton_run *run)
-{
-    const system_problem *p = n->problem;
-
-    if (p->bodies == 0)
-        return solve_blocks(n, number_rows(n), run);
-    copy(3 * (size_t)p->count, n->right, n->step);
-    for (size_t i = 0; i < 6 * (size_t)p->bodies; i++)
-        n->x[i] = 0.0;
-    for (size_t c = 0; c < p->count; c++)
-        load_contact(n, c);
-    return solve_bodies(n, run);
-}
-
-/* ---- price ----------------------------------------------------------------------------------- */
+/* ---- order of bodies ------------------------------------------------------------------------- */
 
 /* Breadth-first levels of a graph from `first`: marks nodes, and returns the operations of
  * elimination level by level, each node having `rows` rows. `last` receives a node of the last
@@ -665,7 +677,8 @@ static double eliminate_levels(uint32_t nodes, const uint32_t *starts, const uin
     return sum;
 }
 
-/* From one end of the graph to the other the levels are thinnest. */
+/* From one end of the graph to the other the levels are thinnest. scratch: two for each node; the
+ * first are the nodes level by level. */
 static double sparse_operations(uint32_t nodes, const uint32_t *starts, const uint32_t *neighbours,
                                 double rows, uint32_t *scratch)
 {
@@ -676,6 +689,87 @@ static double sparse_operations(uint32_t nodes, const uint32_t *starts, const ui
     return eliminate_levels(nodes, starts, neighbours, last, rows, scratch, scratch + nodes,
                             &unused);
 }
+
+/* Rank the bodies as they stand in `order`. Returns the band of the matrix. */
+static uint32_t rank_bodies(newton *n, const uint32_t *order)
+{
+    uint32_t apart = 0;
+
+    for (uint32_t i = 0; i < n->problem->bodies; i++)
+        n->rank[order[i]] = i;
+    for (uint32_t i = 0; i < n->problem->bodies; i++) {
+        for (uint32_t k = n->starts[i]; k < n->starts[i + 1]; k++) {
+            const uint32_t other = n->rank[n->neighbours[k]];
+            apart = other > n->rank[i] + apart ? other - n->rank[i] : apart;
+        }
+    }
+    return 6 * apart + 5;
+}
+
+/* Link the bodies and see whether they are to be ranked level by level (Cuthill & McKee, Proc. 24th
+ * ACM Conf. (1969) 157) for a narrow matrix. Returns the operations of its elimination. */
+static double order_bodies(newton *n, const newton_run *run)
+{
+    const uint32_t bodies = n->problem->bodies;
+
+    link_bodies(n);
+    tidy_links(n);
+    const double operations = sparse_operations(bodies, n->starts, n->neighbours, 6.0, n->place);
+    choose_shape(n, 6 * bodies, rank_bodies(n, n->place), run);
+    if (n->is_dense != 0)
+        return dense_operations(&n->shape);
+    for (uint32_t i = 0; i < bodies; i++)
+        n->rank[i] = i;
+    return operations;
+}
+
+static void prepare_bodies(newton *n, const newton_run *run)
+{
+    const system_problem *p = n->problem;
+
+    for (size_t i = 0; i < p->bodies; i++) {
+        double scaled[6];
+        for (size_t k = 0; k < 6; k++)
+            scaled[k] = p->inverse_inertia[6 * i + k] / n->unit;
+        root_of(scaled, n->root + 6 * i);
+    }
+    for (size_t c = 0; c < p->count; c++) {
+        half_of(n, c, 0, n->half + 36 * c);
+        half_of(n, c, 1, n->half + 36 * c + 6);
+    }
+    order_bodies(n, run);
+    if (n->is_dense == 0)
+        spread_rows(n);
+}
+
+/* ---- steps ----------------------------------------------------------------------------------- */
+
+void step_prepare(newton *n, const newton_run *run)
+{
+    if (n->problem->bodies != 0)
+        prepare_bodies(n, run);
+}
+
+int step_solve(newton *n, newton_run *run)
+{
+    return n->problem->bodies != 0 ? step_on_bodies(n, run) : step_on_blocks(n, run);
+}
+
+int step_again(newton *n, newton_run *run)
+{
+    const system_problem *p = n->problem;
+
+    if (p->bodies == 0)
+        return solve_blocks(n, number_rows(n), run);
+    copy(3 * (size_t)p->count, n->right, n->step);
+    for (size_t i = 0; i < 6 * (size_t)p->bodies; i++)
+        n->x[i] = 0.0;
+    for (size_t c = 0; c < p->count; c++)
+        load_contact(n, c);
+    return solve_bodies(n, run);
+}
+
+/* ---- price ----------------------------------------------------------------------------------- */
 
 static uint32_t count_torques(const system_problem *p)
 {
@@ -695,12 +789,11 @@ double newton_price(newton *n, const system_problem *problem, const newton_run *
     n->problem = problem;
     if (problem->bodies == 0)
         sweep += BLOCK_OPERATIONS * (double)problem->row_starts[problem->count];
-    if (is_dense(rows, run)) {
-        operations = DENSE_SHARE * (double)rows * (double)rows * (double)rows;
-    } else if (problem->bodies != 0) {
-        link_bodies(n);
-        tidy_links(n);
-        operations = sparse_operations(problem->bodies, n->starts, n->neighbours, 6.0, n->place);
+    if (problem->bodies != 0) {
+        operations = order_bodies(n, run);
+    } else if (rows <= run->dense_limit) {
+        const dense_shape shape = dense_shape_of(rows, rows);
+        operations = dense_operations(&shape);
     } else {
         operations = CLIQUE_SHARE * sparse_operations(problem->count, problem->row_starts,
                                                       problem->columns, 3.0, n->place);

@@ -12,7 +12,9 @@
 #define WON 0.5 /* of the residual: what a round must bring for one more */
 #define FIRST_PASSES 4
 
-enum { STRIDE = 8 }; /* dense_stride(6) */
+enum { STRIDE = 8 };
+
+static const dense_shape six = {6, 6, STRIDE, 0, 6 * STRIDE};
 
 /* ---- the map --------------------------------------------------------------------------------- */
 
@@ -167,9 +169,9 @@ static int find_step(const local *l, const local_map *at, double step[6])
     }
     for (int i = 0; i < 6; i++)
         step[i] = 0.0 - step[i];
-    if (!dense_baseline.lu(6, a, pivots))
+    if (!dense_baseline.lu(&six, a, pivots))
         return 0;
-    dense_baseline.lu_solve(6, a, pivots, step);
+    dense_baseline.lu_solve(&six, a, pivots, step);
     return 1;
 }
 
@@ -353,9 +355,9 @@ static int start_at_rest(local *l)
             a[STRIDE * i + k] = l->block.w[6 * i + k];
         l->x[i] = 0.0 - l->block.b[i];
     }
-    if (!dense_baseline.lu(6, a, pivots))
+    if (!dense_baseline.lu(&six, a, pivots))
         return 0;
-    dense_baseline.lu_solve(6, a, pivots, l->x);
+    dense_baseline.lu_solve(&six, a, pivots, l->x);
     return 1;
 }
 

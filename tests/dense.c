@@ -100,10 +100,11 @@ static int plain_cholesky(uint32_t n, double *a)
     return 1;
 }
 
+/* Of L, only the columns of the block of eight that k is in are exchanged. */
 static void plain_swap(uint32_t n, double *a, size_t i, size_t k)
 {
     const size_t ld = dense_stride(n);
-    for (size_t j = 0; j < n; j++) {
+    for (size_t j = k / 8 * 8; j < n; j++) {
         const double value = a[i * ld + j];
         a[i * ld + j] = a[k * ld + j];
         a[k * ld + j] = value;
@@ -160,6 +161,22 @@ static void test_strides(void **state)
     }
 }
 
+static int factor_in(uint32_t isa, dense_shape shape, int symmetric)
+{
+    double *a = factors + shape.origin;
+    return symmetric ? dense_cholesky(isa, &shape, a) : dense_lu(isa, &shape, a, pivots);
+}
+
+static void solve_in(uint32_t isa, dense_shape shape, int symmetric, double *x)
+{
+    const double *a = factors + shape.origin;
+    if (symmetric) {
+        dense_cholesky_solve(isa, &shape, a, x);
+    } else {
+        dense_lu_solve(isa, &shape, a, pivots, x);
+    }
+}
+
 /* One matrix by the textbook and at every instruction set. */
 static void check_bits(uint32_t n, int symmetric)
 {
@@ -172,8 +189,7 @@ static void check_bits(uint32_t n, int symmetric)
             continue;
         }
         memcpy(factors, given, bytes);
-        assert_true(symmetric ? dense_cholesky(isa, n, factors)
-                              : dense_lu(isa, n, factors, pivots));
+        assert_true(factor_in(isa, dense_shape_of(n, n), symmetric));
         assert_true(same_factors(n, symmetric, factors, plain));
         assert_true(symmetric || memcmp(pivots, plain_pivots, n * sizeof *pivots) == 0);
     }
@@ -192,15 +208,11 @@ static void test_bits_are_the_textbooks(void **state)
 
 static void solve(uint32_t isa, uint32_t n, int symmetric, double *x)
 {
+    const dense_shape shape = dense_shape_of(n, n);
     memcpy(factors, given, n * dense_stride(n) * sizeof *given);
     poison(n, symmetric, factors);
-    if (symmetric) {
-        assert_true(dense_cholesky(isa, n, factors));
-        dense_cholesky_solve(isa, n, factors, x);
-    } else {
-        assert_true(dense_lu(isa, n, factors, pivots));
-        dense_lu_solve(isa, n, factors, pivots, x);
-    }
+    assert_true(factor_in(isa, shape, symmetric));
+    solve_in(isa, shape, symmetric, x);
 }
 
 /* Residuals of all instruction sets, and their equal bits. */
@@ -280,7 +292,7 @@ static void test_permutations_are_exact(void **state)
 static int factor_at(uint32_t isa, uint32_t n, int symmetric)
 {
     memcpy(factors, given, n * dense_stride(n) * sizeof *given);
-    return symmetric ? dense_cholesky(isa, n, factors) : dense_lu(isa, n, factors, pivots);
+    return factor_in(isa, dense_shape_of(n, n), symmetric);
 }
 
 /* Put `value` on the diagonal and see each instruction set refuse, whichever place it is. */
@@ -345,6 +357,105 @@ static void test_singular_is_refused(void **state)
     }
 }
 
+/* ---- narrow matrices ------------------------------------------------------------------------- */
+
+static size_t apart(size_t i, size_t j)
+{
+    return i > j ? i - j : j - i;
+}
+
+/* Of the matrix in `given` the band alone, diagonally dominant if it shall be definite; and the same
+ * in the narrow memory of `shape`, between guards. */
+static void narrow(dense_shape shape, int symmetric)
+{
+    const size_t ld = dense_stride(shape.n);
+    memset(factors, 0, sizeof factors);
+    for (size_t i = shape.numbers; i < NUMBERS; i++) {
+        factors[i] = NOT_A_NUMBER;
+    }
+    for (size_t i = 0; i < shape.n; i++) {
+        for (size_t j = 0; j < shape.n; j++) {
+            double *entry = given + i * ld + j;
+            *entry = apart(i, j) > shape.band ? 0.0
+                     : symmetric && j < i     ? given[j * ld + i]
+                                              : *entry;
+            *entry += symmetric && i == j ? 2.0 * shape.band + 1.0 : 0.0;
+            if (apart(i, j) <= shape.band) {
+                factors[shape.origin + i * shape.stride + j] = *entry;
+            }
+        }
+    }
+}
+
+/* Factors that are those of the whole matrix, zeros left out. */
+static void check_narrow_factors(dense_shape shape, int symmetric)
+{
+    const size_t ld = dense_stride(shape.n);
+    const size_t reach = symmetric ? shape.band : 2 * (size_t)shape.band;
+    memcpy(plain, given, shape.n * ld * sizeof *given);
+    assert_true(symmetric ? plain_cholesky(shape.n, plain)
+                          : plain_lu(shape.n, plain, plain_pivots));
+    for (size_t i = 0; i < shape.n; i++) {
+        for (size_t j = i; j < shape.n && j <= i + reach; j++) {
+            assert_true(factors[shape.origin + i * shape.stride + j] == plain[i * ld + j]);
+        }
+    }
+    for (size_t i = shape.numbers; i < NUMBERS; i++) {
+        assert_true(isnan(factors[i]));
+    }
+}
+
+static void check_narrow(uint32_t n, uint32_t band, int symmetric, uint64_t index)
+{
+    const dense_shape shape = dense_shape_of(n, band);
+    double b[GREATEST], x[GREATEST], first[GREATEST];
+    for (size_t i = 0; i < n; i++) {
+        b[i] = (double)(i % 7) - 3.0;
+    }
+    for (uint32_t isa = 0; isa < ISAS; isa++) {
+        if (!tribo_isa_available(isa)) {
+            continue;
+        }
+        draw(n, index, given);
+        narrow(shape, symmetric);
+        assert_true(factor_in(isa, shape, symmetric));
+        check_narrow_factors(shape, symmetric);
+        memcpy(x, b, n * sizeof *x);
+        solve_in(isa, shape, symmetric, x);
+        if (isa == 0) {
+            memcpy(first, x, n * sizeof *x);
+        }
+        assert_memory_equal(x, first, n * sizeof *x);
+    }
+    within(residual(n, given, first, b), 1.0);
+}
+
+/* From a diagonal alone to a matrix that is not narrow. */
+static void test_narrow_matrices(void **state)
+{
+    static const uint32_t bands[] = {0, 1, 2, 5, 7, 8, 11, 16, 17, 23, 40, MOST};
+    (void)state;
+    for (uint64_t k = 1; k < SIZES; k++) {
+        for (size_t i = 0; i < sizeof bands / sizeof *bands; i++) {
+            check_narrow(sizes[k], bands[i], 1, 600 + k);
+            check_narrow(sizes[k], bands[i], 0, 600 + k);
+        }
+    }
+    settle("residual of narrow matrices, n eps");
+}
+
+/* A matrix of 600 rows takes no more memory than one of 192 that is full. */
+static void test_narrow_memory(void **state)
+{
+    (void)state;
+    assert_true(dense_shape_of(600, 11).numbers <= dense_shape_of(192, 192).numbers);
+    for (uint32_t n = 0; n < 300; n++) {
+        for (uint32_t band = 0; band < 300; band++) {
+            assert_true(dense_shape_of(n, band).numbers <= n * dense_stride(n));
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -356,6 +467,8 @@ int main(void)
         TEST(test_bad_pivots_are_refused),
         TEST(test_not_finite_is_refused),
         TEST(test_singular_is_refused),
+        TEST(test_narrow_matrices),
+        TEST(test_narrow_memory),
     };
     return cmocka_run_group_tests_name("dense", tests, NULL, NULL);
 }

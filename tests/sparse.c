@@ -213,7 +213,8 @@ static void solve_dense(const matrix *m, double *x)
 {
     static double a[DENSE * (DENSE + 16)];
     static uint32_t pivots[DENSE];
-    const size_t ld = dense_stride(m->n);
+    const dense_shape shape = dense_shape_of(m->n, m->n);
+    const size_t ld = shape.stride;
     memset(a, 0, sizeof a);
     for (uint32_t i = 0; i < m->n; i++) {
         for (uint32_t k = m->starts[i]; k < m->starts[i + 1]; k++) {
@@ -222,11 +223,11 @@ static void solve_dense(const matrix *m, double *x)
         }
     }
     if (m->symmetric) {
-        assert_true(dense_cholesky(TRIBO_ISA_BEST, m->n, a));
-        dense_cholesky_solve(TRIBO_ISA_BEST, m->n, a, x);
+        assert_true(dense_cholesky(TRIBO_ISA_BEST, &shape, a));
+        dense_cholesky_solve(TRIBO_ISA_BEST, &shape, a, x);
     } else {
-        assert_true(dense_lu(TRIBO_ISA_BEST, m->n, a, pivots));
-        dense_lu_solve(TRIBO_ISA_BEST, m->n, a, pivots, x);
+        assert_true(dense_lu(TRIBO_ISA_BEST, &shape, a, pivots));
+        dense_lu_solve(TRIBO_ISA_BEST, &shape, a, pivots, x);
     }
 }
 

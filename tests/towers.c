@@ -325,6 +325,82 @@ static double slide(size_t boxes, size_t count)
     return (double)solved / (double)count;
 }
 
+/* A library that is always out of memory. */
+static tribo_status refuse_matrix(void *context, uint32_t n, const uint32_t *row_starts,
+                                  const uint32_t *columns, const double *values, uint32_t symmetric)
+{
+    (void)context;
+    (void)n;
+    (void)row_starts;
+    (void)columns;
+    (void)values;
+    (void)symmetric;
+    return TRIBO_ERROR_MEMORY;
+}
+
+static tribo_status refuse_solve(void *context, double *x)
+{
+    (void)context;
+    (void)x;
+    return TRIBO_ERROR_MEMORY;
+}
+
+/* Bodies in another order: neighbours are far from each other. */
+static void renumber(systems_scene *scene)
+{
+    const size_t count = scene->body_count;
+    tribo_body *old = allocate(count * sizeof *old);
+    memcpy(old, scene->bodies, count * sizeof *old);
+    for (size_t i = 0; i < count; i++) {
+        scene->bodies[37 * i % count] = old[i];
+    }
+    for (size_t c = 0; c < scene->count; c++) {
+        uint32_t *ends[2] = {&scene->contacts[c].a, &scene->contacts[c].b};
+        for (int k = 0; k < 2; k++) {
+            *ends[k] = *ends[k] == TRIBO_WORLD ? TRIBO_WORLD : (uint32_t)(37 * *ends[k] % count);
+        }
+    }
+    free(old);
+}
+
+/* Towers whose matrices are narrow, however their bodies are numbered. */
+static void test_narrow_matrices_need_no_library(void **state)
+{
+    static const tribo_linear none = {sizeof none, 0, NULL, refuse_matrix, refuse_solve};
+    (void)state;
+    for (int sliding = 0; sliding < 2; sliding++) {
+        tribo_system_options options = defaults();
+        tribo_system_info info = {.struct_size = sizeof info};
+        systems_scene tower;
+        size_t size = 0;
+        options.linear = &none;
+        options.solver = TRIBO_SOLVER_NEWTON;
+        options.max_iterations = sliding ? 30 : 0;
+        if (sliding) {
+            systems_sliding_tower(&tower, 60, 2);
+        } else {
+            systems_tower(&tower, 100, SYSTEMS_ALTERNATE, 10.0, 0.5);
+        }
+        renumber(&tower);
+        assert_int_equal(tribo_system_workspace_size(tower.body_count, tower.count, tower.contacts,
+                                                     &options, &size),
+                         TRIBO_OK);
+        void *workspace = allocate(size);
+        double *impulses = allocate(3 * tower.count * sizeof(double));
+        double *velocities = allocate(6 * tower.body_count * sizeof(double));
+        assert_int_equal(tribo_system_solve(tower.body_count, tower.bodies, tower.count,
+                                            tower.contacts, &options, workspace, size, impulses,
+                                            velocities, &info),
+                         TRIBO_OK);
+        assert_int_equal(info.stop, sliding ? TRIBO_STOP_ITERATIONS : TRIBO_STOP_TOLERANCE);
+        assert_true(info.factorizations > 0);
+        free(workspace);
+        free(impulses);
+        free(velocities);
+        systems_free(&tower);
+    }
+}
+
 static void test_sliding_towers(void **state)
 {
     static const struct {
@@ -541,6 +617,7 @@ int main(void)
         cmocka_unit_test(test_standing_towers),
         cmocka_unit_test(test_resting_towers_start_warm),
         cmocka_unit_test(test_gauss_seidel_has_its_exact_rate),
+        cmocka_unit_test(test_narrow_matrices_need_no_library),
         cmocka_unit_test(test_sliding_towers),
         cmocka_unit_test(test_standing_heaps),
         cmocka_unit_test(test_heaps_between_smooth_walls),

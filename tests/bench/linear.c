@@ -456,24 +456,25 @@ static timing time_dense(const matrix *m)
 {
     timing t = {-1.0, -1.0, -1.0, 0.0, "dense", 0, 0};
     const uint32_t n = m->n;
+    const dense_shape shape = dense_shape_of(n, n);
     t.fill = (uint64_t)n * (m->symmetric ? n + 1 : 2 * n) / 2;
-    t.bytes = n * dense_stride(n) * sizeof(double);
+    t.bytes = shape.numbers * sizeof(double);
     double *a = allocate(t.bytes);
     double *x = allocate(n * sizeof *x);
     uint32_t *pivots = allocate(n * sizeof *pivots);
     for (double end = now() + budget; t.again < 0.0 || now() < end;) {
         double started = now();
         spread(m, a);
-        demand(m->symmetric ? dense_cholesky(TRIBO_ISA_BEST, n, a)
-                            : dense_lu(TRIBO_ISA_BEST, n, a, pivots),
+        demand(m->symmetric ? dense_cholesky(TRIBO_ISA_BEST, &shape, a)
+                            : dense_lu(TRIBO_ISA_BEST, &shape, a, pivots),
                "a matrix is refused");
         take_least(started, &t.again);
         fill_ones(n, x);
         started = now();
         if (m->symmetric) {
-            dense_cholesky_solve(TRIBO_ISA_BEST, n, a, x);
+            dense_cholesky_solve(TRIBO_ISA_BEST, &shape, a, x);
         } else {
-            dense_lu_solve(TRIBO_ISA_BEST, n, a, pivots, x);
+            dense_lu_solve(TRIBO_ISA_BEST, &shape, a, pivots, x);
         }
         take_least(started, &t.solve);
     }
