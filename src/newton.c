@@ -466,15 +466,16 @@ uint32_t newton_stalls(const newton *n, const newton_run *run)
     return n->on_floor != 0 || run->steps - n->won >= PATIENCE;
 }
 
-/* 1 if the best impulses are as good as rounding lets them be, and no better ones come. */
+/* 1 if the best impulses are as good as rounding lets them be, and no better ones come. The longer
+ * none come, the more is put down to rounding. */
 static uint32_t is_on_floor(newton *n, const newton_run *run)
 {
     const double eta = n->reached.distance * n->wanted->tolerance;
+    const double idle = (double)(run->steps - n->renewed) / FLOOR_PATIENCE;
 
-    if (n->wanted->measure != TRIBO_MEASURE_ETA || eta > FLOOR_MOST ||
-        run->steps - n->renewed < FLOOR_PATIENCE)
+    if (n->wanted->measure != TRIBO_MEASURE_ETA || eta > FLOOR_MOST || idle < 1.0)
         return 0;
-    return eta <= FLOOR_GROWTH * certificate_growth(n->problem, n->best, n->dv);
+    return eta <= idle * FLOOR_GROWTH * certificate_growth(n->problem, n->best, n->dv);
 }
 
 /* One proximal step. */

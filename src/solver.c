@@ -14,8 +14,9 @@
 #define JAM_GROWTH 1e6
 /* A contact within this share of its cone stands on it. */
 #define EDGE 1e-9
-/* Newton steps of the first turn. */
+/* Newton steps of the first turn, and where the interior method is to come after it. */
 #define FIRST_TURN 32
+#define SHORT_TURN 16
 /* Price of a Newton step, in sweeps, from which the interior method goes first where the system
  * seems to stand: its matrices are symmetric, and Newton's first turn would cost more. From a start
  * Newton goes first: what it finds is near. */
@@ -301,7 +302,7 @@ static double run_turns(solver *s, const system_problem *p, turns *t, double *r)
 {
     const uint32_t alone = s->options->solver == TRIBO_SOLVER_NEWTON;
     uint32_t rounds_due = interior_possible(p) != 0 && (alone != 0 || stands(s, p, t->swept));
-    uint64_t turn = FIRST_TURN;
+    uint64_t turn = rounds_due != 0 && !alone ? SHORT_TURN : FIRST_TURN;
 
     newton_start(s->newton, p, t->wanted, &s->run, r);
     if (t->price >= DEAR && !alone && is_zero(3 * (size_t)p->count, r)) {
