@@ -447,8 +447,8 @@ static void adapt(newton *n, int solved, uint32_t steps)
             greater(n->alpha / (steps <= QUICKEST ? n->fall : SLOW_FALL), LEAST_ALPHA * n->size);
 }
 
-void newton_start(newton *n, const system_problem *problem, const goal *wanted,
-                  const newton_run *run, const double *r)
+double newton_start(newton *n, const system_problem *problem, const goal *wanted,
+                    const newton_run *run, const double *r)
 {
     begin(n, problem, r);
     n->wanted = wanted;
@@ -459,6 +459,7 @@ void newton_start(newton *n, const system_problem *problem, const goal *wanted,
     n->won = n->renewed = run->steps;
     n->on_floor = 0;
     step_prepare(n, run);
+    return n->distance;
 }
 
 uint32_t newton_stalls(const newton *n, const newton_run *run)

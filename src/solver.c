@@ -14,9 +14,11 @@
 #define JAM_GROWTH 1e6
 /* A contact within this share of its cone stands on it. */
 #define EDGE 1e-9
-/* Newton steps of the first turn, and where the interior method is to come after it. */
+/* Newton steps of the first turn, and of one that the interior method follows: the whole of it only
+ * if the first half has brought the distance down to a share. */
 #define FIRST_TURN 32
 #define SHORT_TURN 16
+#define WELL_ON_ITS_WAY 1e-4
 /* Price of a Newton step, in sweeps, from which the interior method goes first where the system
  * seems to stand: its matrices are symmetric, and Newton's first turn would cost more. From a start
  * Newton goes first: what it finds is near. */
@@ -301,11 +303,13 @@ static int take_sweeps(solver *s, const system_problem *p, turns *t, double step
 static double run_turns(solver *s, const system_problem *p, turns *t, double *r)
 {
     const uint32_t alone = s->options->solver == TRIBO_SOLVER_NEWTON;
-    uint32_t rounds_due = interior_possible(p) != 0 && (alone != 0 || stands(s, p, t->swept));
-    uint64_t turn = rounds_due != 0 && !alone ? SHORT_TURN : FIRST_TURN;
+    const int cheap = t->price < DEAR;
+    uint32_t rounds_due =
+        interior_possible(p) != 0 && (alone != 0 || cheap != 0 || stands(s, p, t->swept));
+    uint64_t turn = FIRST_TURN;
 
-    newton_start(s->newton, p, t->wanted, &s->run, r);
-    if (t->price >= DEAR && !alone && is_zero(3 * (size_t)p->count, r)) {
+    const double first = newton_start(s->newton, p, t->wanted, &s->run, r);
+    if (!cheap && !alone && is_zero(3 * (size_t)p->count, r)) {
         if (rounds_due != 0) {
             if (run_interior(s, p, t->wanted, r) <= 1.0)
                 return 0.0;
@@ -316,10 +320,14 @@ static double run_turns(solver *s, const system_problem *p, turns *t, double *r)
     }
     for (;; turn *= 2) {
         const uint64_t before = s->run.steps;
-        double distance = run_newton(s, turn, r);
+        double distance = run_newton(s, rounds_due != 0 ? SHORT_TURN : turn, r);
+        if (rounds_due != 0 && distance > 1.0 && distance <= WELL_ON_ITS_WAY * first)
+            distance = run_newton(s, SHORT_TURN, r);
         if (distance > 1.0 && rounds_due != 0 && can_go_on(s)) {
             distance = run_interior(s, p, t->wanted, r);
             rounds_due = 0;
+            if (distance > 1.0 && can_go_on(s))
+                distance = run_newton(s, turn, r);
         }
         if (distance <= 1.0 || !can_go_on(s) || newton_stalls(s->newton, &s->run))
             return distance;
