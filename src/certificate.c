@@ -53,31 +53,52 @@ static void divide_by_mass(const system_problem *p, double *dv)
 
 static void velocity_by_bodies(const system_problem *p, size_t c, const double *dv, double u[3])
 {
+    static const double still[6] = {0.0};
     const uint32_t *pair = p->pairs + 2 * c;
-    double change[3] = {0.0, 0.0, 0.0};
+    const double *a = pair[0] != TRIBO_WORLD ? dv + 6 * (size_t)pair[0] : still;
+    const double *b = pair[1] != TRIBO_WORLD ? dv + 6 * (size_t)pair[1] : still;
+    const double apart[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 
-    if (pair[0] != TRIBO_WORLD)
-        add_velocity(p->frames + 9 * c, p->turns + 18 * c, 1.0, dv + 6 * (size_t)pair[0], change);
-    if (pair[1] != TRIBO_WORLD)
-        add_velocity(p->frames + 9 * c, p->turns + 18 * c + 9, -1.0, dv + 6 * (size_t)pair[1],
-                     change);
+    for (size_t k = 0; k < 3; k++) {
+        const double *f = p->frames + 9 * c + 3 * k;
+        const double *s = p->turns + 18 * c + 3 * k;
+        const double *t = s + 9;
+        u[k] = p->q[3 * c + k] + ((f[0] * apart[0] + f[1] * apart[1] + f[2] * apart[2]) +
+                                  ((s[0] * a[3] + s[1] * a[4] + s[2] * a[5]) -
+                                   (t[0] * b[3] + t[1] * b[4] + t[2] * b[5])));
+    }
+}
+
+/* Add the impulse of contact c to both of its bodies. */
+static void add_both(const system_problem *p, size_t c, const double *r, double *dv)
+{
+    const double *f = p->frames + 9 * c;
+    double along[3];
+
     for (size_t k = 0; k < 3; k++)
-        u[k] = p->q[3 * c + k] + change[k];
+        along[k] = f[k] * r[0] + f[3 + k] * r[1] + f[6 + k] * r[2];
+    for (size_t side = 0; side < 2; side++) {
+        const uint32_t body = p->pairs[2 * c + side];
+        const double *t = p->turns + 18 * c + 9 * side;
+        double around[3];
+        if (body == TRIBO_WORLD)
+            continue;
+        double *restrict d = dv + 6 * (size_t)body;
+        for (size_t k = 0; k < 3; k++)
+            around[k] = t[k] * r[0] + t[3 + k] * r[1] + t[6 + k] * r[2];
+        for (size_t k = 0; k < 3; k++) {
+            d[k] = side == 0 ? d[k] + along[k] : d[k] - along[k];
+            d[3 + k] = side == 0 ? d[3 + k] + around[k] : d[3 + k] - around[k];
+        }
+    }
 }
 
 static void velocity_of_bodies(const system_problem *p, const double *r, double *dv, double *u)
 {
     for (size_t i = 0; i < 6 * (size_t)p->bodies; i++)
         dv[i] = 0.0;
-    for (size_t c = 0; c < p->count; c++) {
-        const uint32_t *pair = p->pairs + 2 * c;
-        if (pair[0] != TRIBO_WORLD)
-            add_impulse(p->frames + 9 * c, p->turns + 18 * c, 1.0, r + 3 * c,
-                        dv + 6 * (size_t)pair[0]);
-        if (pair[1] != TRIBO_WORLD)
-            add_impulse(p->frames + 9 * c, p->turns + 18 * c + 9, -1.0, r + 3 * c,
-                        dv + 6 * (size_t)pair[1]);
-    }
+    for (size_t c = 0; c < p->count; c++)
+        add_both(p, c, r + 3 * c, dv);
     divide_by_mass(p, dv);
     for (size_t c = 0; c < p->count; c++)
         velocity_by_bodies(p, c, dv, u + 3 * c);
@@ -393,6 +414,16 @@ static double squared_map(const system_problem *problem, double sigma, const dou
     return sum;
 }
 
+/* 1 if the sums over contacts ask for the sizes of velocities. */
+static int asks_for_sizes(const system_problem *problem)
+{
+    for (size_t c = 0; c < problem->count; c++) {
+        if (problem->mu[2 * c] != problem->mu[2 * c + 1])
+            return problem->bodies != 0;
+    }
+    return 0;
+}
+
 /* The greater; what is not a number is worse than all. */
 static double worse(double a, double b)
 {
@@ -456,9 +487,11 @@ verdict certificate_judge(const system_problem *problem, const goal *wanted, con
     verdict out = {0.0, 0.0, 0.0, 0.0};
     tally sum = {{0.0, 0.0, 0.0, 0.0}, 0.0, 0.0};
 
-    if (problem->bodies != 0)
+    const int by_eta = wanted->measure == TRIBO_MEASURE_ETA;
+
+    if (by_eta ? problem->bodies != 0 : asks_for_sizes(problem))
         sizes_of_bodies(problem, r, scratch);
-    if (wanted->measure == TRIBO_MEASURE_ETA) {
+    if (by_eta) {
         for (size_t c = 0; c < problem->count; c++)
             count_contact(problem, c, velocity_scale(problem, c, r, scratch), r, u, &sum);
         return pronounce(&sum, wanted);
@@ -570,7 +603,7 @@ void certificate_sum(const system_problem *problem, const double *r, const doubl
     const size_t numbers = 3 * (size_t)problem->count;
     const double q_size = length(numbers, problem->q);
 
-    if (problem->bodies != 0)
+    if (asks_for_sizes(problem))
         sizes_of_bodies(problem, r, scratch);
     const double map = sqrt(squared_map(problem, certificate_stiffness(problem), r, u, scratch));
     info->invariant = q_size > 0.0 ? map / q_size : 0.0;

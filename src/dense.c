@@ -1,6 +1,6 @@
 #include "dense.h"
 
-static const dense_table *table_of(uint32_t isa)
+const dense_table *dense_table_of(uint32_t isa)
 {
 #if defined(TRIBO_HAVE_X86_64_LEVELS)
     const int best = isa == TRIBO_ISA_BEST;
@@ -17,21 +17,21 @@ static const dense_table *table_of(uint32_t isa)
 
 int dense_cholesky(uint32_t isa, const dense_shape *shape, double *a)
 {
-    return table_of(isa)->cholesky(shape, a);
+    return dense_table_of(isa)->cholesky(shape, a);
 }
 
 void dense_cholesky_solve(uint32_t isa, const dense_shape *shape, const double *a, double *x)
 {
-    table_of(isa)->cholesky_solve(shape, a, x);
+    dense_table_of(isa)->cholesky_solve(shape, a, x);
 }
 
 int dense_lu(uint32_t isa, const dense_shape *shape, double *a, uint32_t *pivots)
 {
-    return table_of(isa)->lu(shape, a, pivots);
+    return dense_table_of(isa)->lu(shape, a, pivots);
 }
 
 void dense_lu_solve(uint32_t isa, const dense_shape *shape, const double *a, const uint32_t *pivots,
                     double *x)
 {
-    table_of(isa)->lu_solve(shape, a, pivots, x);
+    dense_table_of(isa)->lu_solve(shape, a, pivots, x);
 }

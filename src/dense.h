@@ -59,7 +59,12 @@ typedef struct dense_table {
     void (*cholesky_solve)(const dense_shape *shape, const double *a, double *x);
     int (*lu)(const dense_shape *shape, double *a, uint32_t *pivots);
     void (*lu_solve)(const dense_shape *shape, const double *a, const uint32_t *pivots, double *x);
+    /* sum += L^T D R: L and R have 3 rows of 12, D 3 x 3, sum 12 x 12. */
+    void (*add_product)(const double *restrict left, const double d[9],
+                        const double *restrict right, double *restrict sum);
 } dense_table;
+
+const dense_table *dense_table_of(uint32_t isa);
 
 extern const dense_table dense_baseline;
 #if defined(TRIBO_HAVE_X86_64_LEVELS)

@@ -85,7 +85,8 @@ static void update_one(size_t width, const double *restrict l, size_t ld, const 
 
 /* ---- Cholesky -------------------------------------------------------------------------------- */
 
-/* Factor a block of eight rows, the reciprocals of the diagonal on the diagonal. */
+/* Factor a block of eight rows, the reciprocals of the diagonal on the diagonal. Whole rows are
+ * worked on: what is below the diagonal is scratch. */
 static int factor_block(double block[BLOCK][BLOCK])
 {
     int positive = 1;
@@ -93,15 +94,16 @@ static int factor_block(double block[BLOCK][BLOCK])
         const double pivot = block[k][k];
         positive = positive && pivot > 0.0 && pivot <= DBL_MAX;
         const double reciprocal = 1.0 / sqrt(positive ? pivot : 1.0);
-        for (int j = k + 1; j < BLOCK; j++) {
+        for (int j = 0; j < BLOCK; j++) {
             block[k][j] *= reciprocal;
         }
-        block[k][k] = reciprocal;
         for (int i = k + 1; i < BLOCK; i++) {
-            for (int j = i; j < BLOCK; j++) {
-                block[i][j] -= block[k][i] * block[k][j];
+            const double l = block[k][i];
+            for (int j = 0; j < BLOCK; j++) {
+                block[i][j] -= l * block[k][j];
             }
         }
+        block[k][k] = reciprocal;
     }
     return positive;
 }
@@ -110,6 +112,20 @@ static int factor_block(double block[BLOCK][BLOCK])
  * matrix. */
 static int factor_corner(uint32_t rows, size_t ld, double *a, double block[BLOCK][BLOCK])
 {
+    if (rows == BLOCK) {
+        for (size_t i = 0; i < BLOCK; i++) {
+            for (size_t j = 0; j < BLOCK; j++) {
+                block[i][j] = a[i * ld + j];
+            }
+        }
+        const int positive = factor_block(block);
+        for (size_t i = 0; i < BLOCK; i++) {
+            for (size_t j = 0; j < BLOCK; j++) {
+                a[i * ld + j] = block[i][j];
+            }
+        }
+        return positive;
+    }
     for (uint32_t i = 0; i < BLOCK; i++) {
         for (uint32_t j = 0; j < BLOCK; j++) {
             block[i][j] = j < i ? 0.0 : i < rows && j < rows ? a[i * ld + j] : i == j ? 1.0 : 0.0;
@@ -405,4 +421,24 @@ static int lu(const dense_shape *shape, double *a, uint32_t *pivots)
     return 1;
 }
 
-const dense_table PASTE(dense_, TRIBO_LANES) = {cholesky, cholesky_solve, lu, lu_solve};
+/* ---- products -------------------------------------------------------------------------------- */
+
+static void add_product(const double *restrict left, const double d[9],
+                        const double *restrict right, double *restrict sum)
+{
+    double s[36];
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 12; j++) {
+            s[12 * i + j] =
+                d[3 * i] * right[j] + d[3 * i + 1] * right[12 + j] + d[3 * i + 2] * right[24 + j];
+        }
+    }
+    for (int i = 0; i < 12; i++) {
+        for (int j = 0; j < 12; j++) {
+            sum[12 * i + j] += left[i] * s[j] + left[12 + i] * s[12 + j] + left[24 + i] * s[24 + j];
+        }
+    }
+}
+
+const dense_table PASTE(dense_, TRIBO_LANES) = {cholesky, cholesky_solve, lu, lu_solve,
+                                                add_product};

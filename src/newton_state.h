@@ -48,6 +48,7 @@ struct newton {
     size_t room;       /* numbers in `dense` */
     dense_shape shape; /* of the matrix, where it is dense */
     uint32_t is_dense;
+    const dense_table *kernels;             /* of the instruction set */
     uint32_t *lower_starts, *lower_columns; /* bodies: its lower triangle, if it is symmetric */
     double *lower_values;
     uint32_t symmetric_w; /* 1: W is symmetric but for rounding */

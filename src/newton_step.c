@@ -422,23 +422,6 @@ static int invert3(const double a[9], double out[9])
     return 1;
 }
 
-/* sum += L^T D R, L and R 3 x 12. */
-static void add_product(const double *restrict left, const double d[9],
-                        const double *restrict right, double *restrict sum)
-{
-    double s[36];
-
-    for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 12; j++)
-            s[12 * i + j] =
-                d[3 * i] * right[j] + d[3 * i + 1] * right[12 + j] + d[3 * i + 2] * right[24 + j];
-    }
-    for (int i = 0; i < 12; i++) {
-        for (int j = 0; j < 12; j++)
-            sum[12 * i + j] += left[i] * s[j] + left[12 + i] * s[12 + j] + left[24 + i] * s[24 + j];
-    }
-}
-
 /* What contacts of one pair of bodies, one after the other, bring to the matrix. */
 typedef struct couple {
     const uint32_t *pair; /* null: nothing yet */
@@ -461,8 +444,12 @@ static void give_couple(newton *n, const couple *of)
             if (of->pair[i] == TRIBO_WORLD || of->pair[j] == TRIBO_WORLD)
                 continue;
             double *block = block_of(n, of->pair[i], of->pair[j], &stride);
-            for (size_t k = 0; k < 36; k++)
-                block[k / 6 * stride + k % 6] += of->sum[72 * i + 6 * j + k / 6 * 12 + k % 6];
+            for (size_t k = 0; k < 6; k++) {
+                const double *restrict from = of->sum + 72 * i + 6 * j + 12 * k;
+                double *restrict to = block + k * stride;
+                for (size_t l = 0; l < 6; l++)
+                    to[l] += from[l];
+            }
         }
     }
 }
@@ -476,7 +463,7 @@ static void add_blocks(newton *n, couple *of, size_t c, size_t d_at, const doubl
         give_couple(n, of);
         clear_couple(of, pair);
     }
-    add_product(n->half + 36 * c, d, n->half + 36 * d_at, of->sum);
+    n->kernels->add_product(n->half + 36 * c, d, n->half + 36 * d_at, of->sum);
 }
 
 /* The step of a torque is -known - D du + lag dr_n, with lag = A^-1 lead and dr_n by the step of
@@ -746,6 +733,7 @@ static void prepare_bodies(newton *n, const newton_run *run)
 
 void step_prepare(newton *n, const newton_run *run)
 {
+    n->kernels = dense_table_of(run->isa);
     if (n->problem->bodies != 0)
         prepare_bodies(n, run);
 }

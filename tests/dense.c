@@ -456,6 +456,33 @@ static void test_narrow_memory(void **state)
     }
 }
 
+/* Each sum in the order that the contract of equal bits needs. */
+static void test_products(void **state)
+{
+    (void)state;
+    for (uint64_t k = 0; k < 20; k++) {
+        const double *left = given, *right = given + 36, *d = given + 72;
+        double want[144], got[144];
+        draw(16, 800 + k, given);
+        for (size_t i = 0; i < 144; i++) {
+            double sum = 0.0;
+            for (size_t row = 0; row < 3; row++) {
+                const double s = d[3 * row] * right[i % 12] + d[3 * row + 1] * right[12 + i % 12] +
+                                 d[3 * row + 2] * right[24 + i % 12];
+                sum += left[12 * row + i / 12] * s;
+            }
+            want[i] = given[100 + i] + sum;
+        }
+        for (uint32_t isa = 0; isa < ISAS; isa++) {
+            if (tribo_isa_available(isa)) {
+                memcpy(got, given + 100, sizeof got);
+                dense_table_of(isa)->add_product(left, d, right, got);
+                assert_memory_equal(got, want, sizeof got);
+            }
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -469,6 +496,7 @@ int main(void)
         TEST(test_singular_is_refused),
         TEST(test_narrow_matrices),
         TEST(test_narrow_memory),
+        TEST(test_products),
     };
     return cmocka_run_group_tests_name("dense", tests, NULL, NULL);
 }

@@ -69,6 +69,17 @@ static void *allocate(size_t count, size_t size)
     return made;
 }
 
+/* What a solver asks for as scratch: it need not be cleared. */
+static void *reserve(size_t size)
+{
+    void *made = malloc(size + 1);
+    if (!made) {
+        fprintf(stderr, "out of memory\n");
+        exit(1);
+    }
+    return made;
+}
+
 /* ---- accuracy ----------------------------------------------------------------------------- */
 
 /* x - P_K(x) is what is left of x on the polar cone; the map is s r - P_K(s r - u'). */
@@ -152,7 +163,7 @@ static tribo_status solve_assembled(const problem *given, const tribo_system_opt
     size_t size = 0;
     tribo_status status = tribo_system_assembled_workspace_size(given->count, given->row_starts,
                                                                 given->columns, options, &size);
-    void *workspace = allocate(size, 1);
+    void *workspace = reserve(size);
     if (status == TRIBO_OK) {
         status = tribo_system_solve_assembled(given->count, given->row_starts, given->columns,
                                               given->blocks, given->q, given->mu, options,
@@ -169,7 +180,7 @@ static tribo_status solve_scene(const systems_scene *given, const tribo_system_o
     double *velocities = allocate(6 * given->body_count, sizeof *velocities);
     tribo_status status = tribo_system_workspace_size(given->body_count, given->count,
                                                       given->contacts, options, &size);
-    void *workspace = allocate(size, 1);
+    void *workspace = reserve(size);
     if (status == TRIBO_OK) {
         status = tribo_system_solve(given->body_count, given->bodies, given->count, given->contacts,
                                     options, workspace, size, r, velocities, NULL);
