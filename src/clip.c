@@ -15,14 +15,17 @@
 #define SNAP_WIDTH 1e-9 /* of the distance: by so much a face's normal may be worse than the axis */
 #define CLIP_ROUNDING 1e-12 /* of the lengths: on the line is inside */
 #define PARALLEL 1e-3       /* sine of the angle up to which two edges are one line of contact */
+#define ASIDE 1e-5          /* of the size: so far apart sideways two such edges still touch */
 #define MERGE 1e-9          /* of the size: points that are one */
 #define NEAR 1e-4           /* of the shortest side: a corner is at a vertex or on an edge */
 #define BETTER 1.00001      /* ratio of areas, or of squares, that is worth another choice */
-#define TILT 1e-5           /* radians by which supports are tilted to feel along a face */
+#define TILT 1e-5           /* radians by which supports are tilted to feel along a face, */
+#define TILT_GROWTH 8.0     /* and by so much more, up to the next, where that brings little: */
+#define MOST_TILT 5e-3      /* of round shapes the axis is known less well than the depth */
 #define LEVEL 1e-5          /* of the size: points are as deep as the deepest */
 #define RIDGE 1e-6 /* of the size: up to so much above the deepest point two ridges still touch */
 
-enum { SAMPLES = 10 };
+enum { SAMPLES = 12 };
 enum { SEARCHED = 12 }; /* corners of which the best are sought among all choices */
 
 /* ---- faces ---------------------------------------------------------------------------------- */
@@ -591,43 +594,54 @@ static int is_share(double t)
     return t >= 0.0 - RIDGE && t <= 1.0 + RIDGE;
 }
 
-/* Edges of two rounded shapes: one point where they cross, the ends of the overlap where they are
- * parallel; none if they cross beyond an end or not at the distance of the shapes: a line of a cone
- * may lie a little across the normal. */
-static uint32_t touch_at_edges(const double frame[9], const polygon p[2], double distance,
-                               pair_point points[2])
+/* Two edges along the normal. */
+typedef struct crossing_edges {
+    double a[2]; /* the way along A's, */
+    double b[2]; /* along B's, */
+    double d[2]; /* and from where A's begins to where B's does */
+    double aa;
+    double turn; /* a x b */
+} crossing_edges;
+
+static double cross(const double a[2], const double b[2])
 {
-    const double au = p[0].u[1] - p[0].u[0];
-    const double av = p[0].v[1] - p[0].v[0];
-    const double bu = p[1].u[1] - p[1].u[0];
-    const double bv = p[1].v[1] - p[1].v[0];
-    const double du = p[1].u[0] - p[0].u[0];
-    const double dv = p[1].v[0] - p[0].v[0];
-    const double aa = au * au + av * av;
-    const double bb = bu * bu + bv * bv;
-    const double turn = au * bv - av * bu;
-    if (turn * turn > PARALLEL * PARALLEL * (aa * bb)) {
-        const double at_a = (du * bv - dv * bu) / turn;
-        const double at_b = (du * av - dv * au) / turn;
-        between_edges(frame, p, held(at_a), held(at_b), &points[0]);
-        const double off = absolute(points[0].distance - distance);
-        points[0].distance = distance;
-        return is_share(at_a) && is_share(at_b) && off <= RIDGE * lesser(p[0].size, p[1].size);
+    return a[0] * b[1] - a[1] * b[0];
+}
+
+/* The point where they cross; none if that is beyond an end or not at the distance of the shapes: a
+ * line of a cone may lie a little across the normal. */
+static uint32_t touch_at_crossing(const double frame[9], const polygon p[2],
+                                  const crossing_edges *e, double distance, pair_point *point)
+{
+    const double at_a = cross(e->d, e->b) / e->turn;
+    const double at_b = cross(e->d, e->a) / e->turn;
+    if (!(is_share(at_a) && is_share(at_b))) {
+        return 0;
     }
-    if (!(aa > 0.0 && bb > 0.0)) {
-        between_edges(frame, p, 0.5, 0.5, &points[0]);
-        points[0].distance = distance;
-        return 1;
-    }
-    const double s0 = (du * au + dv * av) / aa;
-    const double s1 = s0 + (bu * au + bv * av) / aa;
+    between_edges(frame, p, held(at_a), held(at_b), point);
+    const double off = absolute(point->distance - distance);
+    point->distance = distance;
+    return off <= RIDGE * lesser(p[0].size, p[1].size) ? 1 : 0;
+}
+
+/* The ends of the overlap of edges that are parallel; none if they pass each other or veer. */
+static uint32_t touch_along(const double frame[9], const polygon p[2], const crossing_edges *e,
+                            double distance, pair_point points[2])
+{
+    const double s0 = (e->d[0] * e->a[0] + e->d[1] * e->a[1]) / e->aa;
+    const double s1 = s0 + (e->b[0] * e->a[0] + e->b[1] * e->a[1]) / e->aa;
     const double s[2] = {held(lesser(s0, s1)), held(greater(s0, s1))};
+    const double room = ASIDE * (p[0].size + p[1].size) * sqrt(e->aa);
     double least = (double)INFINITY;
     uint32_t count = 0;
     for (int k = 0; k < 2 && (k == 0 || s[1] > s[0]); k++) {
         const int at_a = s[k] == (double)k;
         const int at_b = (s0 < s1) == (k == 0) ? 0 : 1;
-        between_edges(frame, p, s[k], held((s[k] - s0) / (s1 - s0)), &points[count]);
+        const double t = held((s[k] - s0) / (s1 - s0));
+        if (absolute(cross(e->a, e->d) + t * e->turn) > room) {
+            return 0;
+        }
+        between_edges(frame, p, s[k], t, &points[count]);
         if (at_a) {
             points[count].a = pair_feature(p[0].feature, PAIR_VERTEX, (uint32_t)k);
         } else {
@@ -640,6 +654,25 @@ static uint32_t touch_at_edges(const double frame[9], const polygon p[2], double
         points[k].distance += distance - least; /* the axis may lean on an end of either */
     }
     return count;
+}
+
+/* Edges of two rounded shapes; 0 if they do not touch each other. */
+static uint32_t touch_at_edges(const double frame[9], const polygon p[2], double distance,
+                               pair_point points[2])
+{
+    crossing_edges e = {{p[0].u[1] - p[0].u[0], p[0].v[1] - p[0].v[0]},
+                        {p[1].u[1] - p[1].u[0], p[1].v[1] - p[1].v[0]},
+                        {p[1].u[0] - p[0].u[0], p[1].v[0] - p[0].v[0]},
+                        0.0,
+                        0.0};
+    const double bb = e.b[0] * e.b[0] + e.b[1] * e.b[1];
+    e.aa = e.a[0] * e.a[0] + e.a[1] * e.a[1];
+    e.turn = cross(e.a, e.b);
+    uint32_t count = 0;
+    if (e.turn * e.turn <= PARALLEL * PARALLEL * (e.aa * bb)) {
+        count = e.aa > 0.0 && bb > 0.0 ? touch_along(frame, p, &e, distance, points) : 0;
+    }
+    return count > 0 || e.turn == 0.0 ? count : touch_at_crossing(frame, p, &e, distance, points);
 }
 
 static int is_same(const double a[3], const double b[3], double reach)
@@ -718,7 +751,7 @@ static int take_sample(const pair_query *query, const double frame[9], double u,
     double along[3];
     double back[3];
     for (int i = 0; i < 3; i++) {
-        along[i] = frame[i] + TILT * (u * frame[3 + i] + v * frame[6 + i]);
+        along[i] = frame[i] + (u * frame[3 + i] + v * frame[6 + i]);
         back[i] = 0.0 - along[i];
     }
     if (!take_support(query, 0, back, out->a) || !take_support(query, 1, along, out->b)) {
@@ -746,7 +779,7 @@ static void mix_two(const sample *s, uint32_t i, uint32_t j, mixture *best)
     }
 }
 
-/* Three samples with zero among them. */
+/* Three samples with zero among them; if they lie on a line, rounding may say so of any. */
 static void mix_three(const sample *s, uint32_t i, uint32_t j, uint32_t k, mixture *best)
 {
     const double a = s[j].u * s[k].v - s[j].v * s[k].u;
@@ -755,8 +788,13 @@ static void mix_three(const sample *s, uint32_t i, uint32_t j, uint32_t k, mixtu
     const double sum = a + b + c;
     if ((a >= 0.0 && b >= 0.0 && c >= 0.0 && sum > 0.0) ||
         (a <= 0.0 && b <= 0.0 && c <= 0.0 && sum < 0.0)) {
-        const mixture m = {3, {i, j, k}, {a / sum, b / sum, c / sum}, 0.0, 0.0};
-        *best = m;
+        const double w[3] = {a / sum, b / sum, c / sum};
+        const double u = w[0] * s[i].u + w[1] * s[j].u + w[2] * s[k].u;
+        const double v = w[0] * s[i].v + w[1] * s[j].v + w[2] * s[k].v;
+        if (u * u + v * v < best->u * best->u + best->v * best->v) {
+            const mixture m = {3, {i, j, k}, {w[0], w[1], w[2]}, u, v};
+            *best = m;
+        }
     }
 }
 
@@ -780,29 +818,33 @@ static void mix(const sample *s, uint32_t count, mixture *best)
 
 /* The point where the shapes touch, when their faces do not hold it: rims of round shapes, corners
  * and edges whose nearest faces look elsewhere. Samples are tilted towards what is left, as in GJK,
- * but in the plane. */
+ * but in the plane, and farther where a sample brings little. */
 static uint32_t add_witness(const pair_query *query, const pair_face faces[2],
                             const double frame[9], const pair_axis *axis, pair_point *point)
 {
     sample s[SAMPLES];
     mixture best = {0, {0, 0, 0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
-    double tilt[2] = {0.0, 0.0};
+    double way[2] = {0.0, 0.0};
+    double left = 0.0;
+    double reach = TILT;
     for (uint32_t count = 0; count < SAMPLES; count++) {
-        if (!take_sample(query, frame, tilt[0], tilt[1], &s[count])) {
+        sample *new = &s[count];
+        if (!take_sample(query, frame, reach * way[0], reach * way[1], new)) {
             return 0;
         }
-        const double slack = CLIP_ROUNDING * (extent(s[count].a) + extent(s[count].b));
-        if (count > 0 && !(s[count].u * tilt[0] + s[count].v * tilt[1] >
-                           best.u * tilt[0] + best.v * tilt[1] + slack)) {
+        const double slack = CLIP_ROUNDING * (extent(new->a) + extent(new->b));
+        const double gain = left + (new->u *way[0] + new->v *way[1]);
+        if (count > 0 && gain <= slack && reach >= MOST_TILT) {
             break;
         }
+        reach *= count > 0 && gain < 0.5 * left && reach < MOST_TILT ? TILT_GROWTH : 1.0;
         mix(s, count + 1, &best);
-        const double left = sqrt(best.u * best.u + best.v * best.v);
+        left = sqrt(best.u * best.u + best.v * best.v);
         if (!(left > slack)) {
             break;
         }
-        tilt[0] = 0.0 - best.u / left;
-        tilt[1] = 0.0 - best.v / left;
+        way[0] = 0.0 - best.u / left;
+        way[1] = 0.0 - best.v / left;
     }
     point->middle[0] = point->middle[1] = point->middle[2] = 0.0;
     for (uint32_t k = 0; k < best.count; k++) {
@@ -826,28 +868,37 @@ static int is_over(const polygon *p, double winding, double slack, double u, dou
     return over;
 }
 
-/* A user's shape that tells no face may be flat all the same: then its support point is one of many
- * as far, and the other shape is not where that one is. */
-static int is_elsewhere(const pair_query *query, const pair_face faces[2], const double frame[9],
-                        double distance)
+/* Whether a point lies on a segment. */
+static int is_beside(const polygon *p, double room, double u, double v)
+{
+    const double way[2] = {p->u[1] - p->u[0], p->v[1] - p->v[0]};
+    const double to[2] = {u - p->u[0], v - p->v[0]};
+    const double square = way[0] * way[0] + way[1] * way[1];
+    const double t = square > 0.0 ? held((to[0] * way[0] + to[1] * way[1]) / square) : 0.0;
+    return absolute(to[0] - t * way[0]) <= room && absolute(to[1] - t * way[1]) <= room;
+}
+
+/* Whether the farthest point of one shape, where that is all of its face, does not lie where the
+ * other one is: of round shapes the axis is known less well than the depth, and a user's shape that
+ * tells no face may be flat all the same; then its support point is one of many as far. */
+static int is_elsewhere(const pair_face faces[2], const double frame[9], double distance)
 {
     polygon p[2];
     flatten(&faces[0], frame, &p[0]);
     flatten(&faces[1], frame, &p[1]);
     const double room = RIDGE * (extent(faces[0].points) + extent(faces[1].points));
-    const int vague[2] = {p[0].count == 1 && query->a->type == TRIBO_SHAPE_CONVEX,
-                          p[1].count == 1 && query->b->type == TRIBO_SHAPE_CONVEX};
     if (p[0].count == 1 && p[1].count == 1) {
-        return (vague[0] || vague[1]) &&
-               (absolute(p[0].u[0] - p[1].u[0]) > room || absolute(p[0].v[0] - p[1].v[0]) > room);
+        return absolute(p[0].u[0] - p[1].u[0]) > room || absolute(p[0].v[0] - p[1].v[0]) > room;
     }
     const int side = p[0].count > 1 ? 0 : 1;
-    take_slope(&faces[side], frame, &p[side]);
     const double u = p[1 - side].u[0];
     const double v = p[1 - side].v[0];
+    if (p[side].count == 2) {
+        return !is_beside(&p[side], room, u, v);
+    }
+    take_slope(&faces[side], frame, &p[side]);
     const double between = winding_of(1 - side) * (height_at(&p[side], u, v) - p[1 - side].h[0]);
-    return vague[1 - side] && (p[side].count == 2 || absolute(between - distance) > room ||
-                               !is_over(&p[side], winding_of(side), room, u, v));
+    return absolute(between - distance) > room || !is_over(&p[side], winding_of(side), room, u, v);
 }
 
 /* ---- two faces ------------------------------------------------------------------------------ */
@@ -898,7 +949,7 @@ static uint32_t touch(const pair_query *query, const pair_face faces[2], const p
     *size = 0.0;
     frame_of(axis->normal, frame);
     if (faces[0].count == 1 || faces[1].count == 1) {
-        return is_elsewhere(query, faces, frame, axis->distance)
+        return is_elsewhere(faces, frame, axis->distance)
                    ? add_witness(query, faces, frame, axis, points)
                    : touch_at_point(faces, axis, points);
     }

@@ -557,7 +557,7 @@ TRIBO_NEVER_INLINE tribo_status convex_plane(const pair_query *query, const plan
         above_plane(p, face.points + 3 * i, pair_feature(face.feature, kind, i), &points[i]);
         tribo_vec3_subtract(face.points + 3 * i, face.points, apart);
         least = lesser(least, points[i].distance);
-        size = greater(size, extent(apart));
+        size = greater(size, tribo_vec3_norm(apart));
     }
     const double slack = PAIR_ROUNDING * (extent(at) + absolute(p->level) + size);
     uint32_t count = face.count;
@@ -589,7 +589,6 @@ static tribo_status half_space(const pair_query *query, tribo_manifold *out)
 /* ---- box and box: separating axes (Gottschalk, Lin, Manocha 1996) --------------------------- */
 
 #define EDGES_PARALLEL 1e-28 /* square of the sine of the angle below which it is noise */
-#define DIRECTION_NOISE 1e3  /* distances this many roundings long have a direction */
 #define NEARLY_FLAT \
     0.9995 /* cosine of a face with the normal, up to which an edge axis gives an area */
 
@@ -769,6 +768,27 @@ static void box_edge(const boxes *x, int side, uint32_t number, double at[3], do
     *half = size[i];
 }
 
+/* Direction of the way from B to A at their nearest features, and the distance of the boxes along
+ * it. Ways that are hardly longer than rounding still have a direction where what is rounding alone
+ * is left out: what is square to edges stays so, or far ends would show the boxes less far apart. */
+static double way_between(const boxes *x, const double apart[3], double normal[3])
+{
+    double distance;
+    double rounding;
+    double way[3] = {apart[0], apart[1], apart[2]};
+    for (int k = 0; k < 6; k++) {
+        double axis[3];
+        column(k < 3 ? x->query->ra : x->query->rb, k % 3, axis);
+        const double along = tribo_vec3_dot(way, axis);
+        if (absolute(along) <= x->rounding) {
+            tribo_vec3_add_scaled(way, 0.0 - along, axis, way);
+        }
+    }
+    return unit(way, normal) > 0.0 && clip_distance(x->query, normal, &distance, &rounding)
+               ? distance
+               : -(double)INFINITY;
+}
+
 /* Corner or edge against corner or edge, apart from each other: no face lies over the other there.
  * Which features are nearest is found by looking at all edges. */
 static void nearest_edges(const boxes *x, const pair_axis *axis, tribo_manifold *out)
@@ -799,9 +819,10 @@ static void nearest_edges(const boxes *x, const pair_axis *axis, tribo_manifold 
         }
     }
     double normal[3];
-    const double distance = unit(best.apart, normal);
-    if (!(distance > DIRECTION_NOISE * x->rounding)) {
+    double distance = way_between(x, best.apart, normal);
+    if (!(distance >= axis->distance - x->rounding)) {
         memcpy(normal, axis->normal, sizeof normal);
+        distance = axis->distance;
     }
     single(query, normal, middle, distance, pair_feature(6, PAIR_EDGE, numbers / 12),
            pair_feature(6, PAIR_EDGE, numbers % 12), out);
@@ -845,8 +866,10 @@ static void touch_edges(const boxes *x, int i, int j, const pair_axis *axis, tri
         g.offset[k] = (query->offset[k] + on_b[k]) - on_a[k];
     }
     nearest_points(&g);
-    if (axis->distance > x->rounding &&
-        tribo_vec3_norm(g.apart) > axis->distance + 4.0 * x->rounding) {
+    double aside[3];
+    tribo_vec3_add_scaled(g.apart, 0.0 - tribo_vec3_dot(g.apart, axis->normal), axis->normal,
+                          aside);
+    if (axis->distance > x->rounding && extent(aside) > 4.0 * x->rounding) {
         nearest_edges(x, axis, out);
         return;
     }

@@ -37,6 +37,7 @@ enum {
     STALE = 6, /* of these in a row */
     DESCENTS = 16,
     LONG_DESCENTS = 10,
+    SETTLEMENTS = 8,
     NEWTON_STEPS = 8,
     STRANDS = 4,
     EXPLORED = 16, /* searches a survey may start, */
@@ -48,6 +49,7 @@ enum {
 
 #define SAME_WAY 0.99 /* cosine */
 #define TOUCHING 1e-4 /* of the lesser radius: so little may be an overlap or a gap */
+#define WORTH 1e-3    /* of the width: so much is worth another search */
 #define WIDE 0.5      /* tangent of the angle at which a polytope is first looked at */
 #define SAME 1e-9     /* of the reach: by so much two supports may contradict each other */
 
@@ -761,7 +763,8 @@ static void set_facet(polytope *x, int at, int a, int b, int c)
     f->v[0] = a;
     f->v[1] = b;
     f->v[2] = c;
-    f->state = square > x->thin * x->thin * longest && square > 1e-200 ? FACET_KEPT : FACET_THIN;
+    const int is_measured = square > 1e-200 && square < 1e200;
+    f->state = is_measured && square > x->thin * x->thin * longest ? FACET_KEPT : FACET_THIN;
     f->explored = 0;
     f->d = HUGE_VAL;
     if (f->state == FACET_KEPT) {
@@ -980,7 +983,7 @@ static int first_polytope(search *s, polytope *x)
     for (int i = 0; i < 3 && whole; i++) {
         whole = grow_any(x, p[i], s->rounding);
     }
-    return whole;
+    return whole || wide_polytope(s, x); /* of points so near rounding may make no hull */
 }
 
 /* ---- kinks ----------------------------------------------------------------------------------- */
@@ -1045,15 +1048,39 @@ static uint32_t edge(const support_face *face, uint32_t i, double e[3])
 }
 
 /* Directions in which w is kinked: those n with n . axis = along, a great circle square to an edge
- * or, round a cone, the small circle square to its lines. */
+ * or, round a cone, the small circle square to its lines. A user's face of two points may be either:
+ * the edge is asked for anew wherever the crease is followed to. */
 typedef struct crease {
     double axis[3];
     double along;
+    const support_face *user;
 } crease;
 
-/* The nearest of these directions. */
-static void onto(const crease *k, const double v[3], double n[3])
+/* The edge that a user tells in a direction, with the sense of the one before. */
+static void ask_edge(crease *k, const double v[3])
 {
+    double local[3];
+    double points[3 * TRIBO_MAX_FACE];
+    double normal[3];
+    double e[3];
+    uint32_t feature;
+    rotate_back(k->user->r, v, k->user->sign, local);
+    if (shape_face(k->user->shape, local, points, normal, &feature) != 2) {
+        return;
+    }
+    tribo_vec3_subtract(points + 3, points, e);
+    tribo_mat3_apply(k->user->r, e, e);
+    if (unit(e, e)) {
+        tribo_vec3_scale(copysign(1.0, tribo_vec3_dot(e, k->axis)), e, k->axis);
+    }
+}
+
+/* The nearest of these directions. */
+static void onto(crease *k, const double v[3], double n[3])
+{
+    if (k->user != NULL) {
+        ask_edge(k, v);
+    }
     double across[3];
     const double along = tribo_vec3_dot(v, k->axis);
     const double side = sqrt(1.0 - k->along * k->along);
@@ -1071,6 +1098,7 @@ static void onto(const crease *k, const double v[3], double n[3])
  * axis lies on it but for `most`. */
 static int crease_of(const search *s, const support_face *x, uint32_t i, double most, crease *k)
 {
+    k->user = x->shape->type == TRIBO_SHAPE_CONVEX && x->count == 2 ? x : NULL;
     if (x->shape->type == TRIBO_SHAPE_CONE && x->count == 2) {
         const double slant[3] = {x->shape->size[0], 2.0 * x->shape->size[1], 0.0};
         double n[3];
@@ -1213,8 +1241,7 @@ static void tangent(const crease *k, const double n[3], double t[3])
     (void)unit(t, t);
 }
 
-static void turn_onto(const crease *k, const double n[3], const double t[3], double x,
-                      double out[3])
+static void turn_onto(crease *k, const double n[3], const double t[3], double x, double out[3])
 {
     double v[3];
     turn(n, t, x, v);
@@ -1222,15 +1249,17 @@ static void turn_onto(const crease *k, const double n[3], const double t[3], dou
 }
 
 /* A step downhill along a kink where Newton's would lead astray. Returns whether there is one. */
-static int stride(search *s, const crease *k, const double t[3], double slope, double n[3],
-                  double p[3], double *width)
+static int stride(search *s, crease *k, const double t[3], double slope, double n[3], double p[3],
+                  double *width)
 {
     for (double x = copysign(0.5, 0.0 - slope); absolute(x) > 1e-3; x *= 0.25) {
+        crease l = *k;
         double m[3];
         double q[3];
-        turn_onto(k, n, t, x, m);
+        turn_onto(&l, n, t, x, m);
         const double found = support(s, m, q);
         if (found < *width - s->rounding) {
+            *k = l;
             copy(m, n);
             copy(q, p);
             *width = found;
@@ -1242,22 +1271,23 @@ static int stride(search *s, const crease *k, const double t[3], double slope, d
 
 /* Newton along a kink, where w is smooth. Returns the bend of w there; 0 if it did not end in a
  * minimum. */
-static double along_ridge(search *s, const crease *k, double n[3])
+static double along_ridge(search *s, crease *k, double n[3])
 {
     double t[3];
     double p[3];
     double width = support(s, n, p);
     for (int step = 0; step < NEWTON_STEPS && !s->fault && !apart(s); step++) {
+        crease l = *k;
         double m[3];
         double q[3];
+        double after[3];
         tangent(k, n, t);
         const double slope = tribo_vec3_dot(p, t);
         const double delta = lesser(greater(0.01 * absolute(slope) / s->small, 1e-6), 1e-3);
-        turn_onto(k, n, t, delta, m);
+        turn_onto(&l, n, t, delta, m);
+        tangent(&l, m, after);
         (void)support(s, m, q);
-        const double inward =
-            (width - k->along * tribo_vec3_dot(p, k->axis)) / (1.0 - k->along * k->along);
-        const double bend = (tribo_vec3_dot(q, t) - slope) / delta - inward;
+        const double bend = (tribo_vec3_dot(q, after) - slope) / delta;
         if (!(bend > 1e-6 * s->small) || absolute(slope) > 0.5 * bend) {
             if (!s->patient || !stride(s, k, t, slope, n, p, &width)) {
                 return 0.0;
@@ -1268,7 +1298,7 @@ static double along_ridge(search *s, const crease *k, double n[3])
         if (gain <= 0.25 * s->rounding) {
             return bend;
         }
-        turn_onto(k, n, t, 0.0 - slope / bend, m);
+        turn_onto(k, n, t, 0.0 - slope / bend, m); /* ends the search if it is no better */
         const double found = support(s, m, p);
         if (!(found < width - 0.25 * gain)) {
             return 0.0;
@@ -1282,7 +1312,7 @@ static double along_ridge(search *s, const crease *k, double n[3])
 /* Where an edge meets a curved place w is kinked across the edge. Returns whether a local minimum
  * was reached: the support points on both sides of the kink then have the foot of the origin
  * between them. */
-static int ridge(search *s, const crease *k)
+static int ridge(search *s, crease *k)
 {
     double n[3];
     double t[3];
@@ -1409,6 +1439,17 @@ static void settle(search *s)
     }
 }
 
+/* Again while it is worth it: along a flat valley descents are many. */
+static void settle_well(search *s)
+{
+    double before;
+    int again = SETTLEMENTS;
+    do {
+        before = s->width;
+        settle(s);
+    } while (--again > 0 && before - s->width > WORTH * absolute(before) && !s->fault && !apart(s));
+}
+
 static int nearest_facet(const polytope *x)
 {
     int best = -1;
@@ -1525,7 +1566,7 @@ static void look_around(search *s, int kink)
     const int outside = s->width < -64.0 * s->rounding; /* where facets bound nothing */
     s->inside = outcome == SURVEY_EXACT && !outside;
     if (outside || (outcome != SURVEY_EXACT && (kink || s->width < before))) {
-        settle(s);
+        settle_well(s);
     }
 }
 
