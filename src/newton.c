@@ -5,9 +5,11 @@
 /* One setting for all problems. */
 #define FIRST_ALPHA 1e-2 /* of the mean |W_cc| */
 #define LEAST_ALPHA 1e-14
-#define FAST_FALL 10.0 /* of alpha, after QUICKEST steps or fewer, until Newton fails once */
-#define SLOW_FALL 3.0  /* after fewer than QUICK steps */
-#define RISE 5.0       /* where Newton fails */
+/* Of alpha, after QUICKEST steps or fewer, until Newton fails once; so many times more after each
+ * single step, but not far beyond what the goal is away. */
+#define FAST_FALL 10.0
+#define SLOW_FALL 3.0 /* after fewer than QUICK steps */
+#define RISE 5.0      /* where Newton fails */
 #define QUICKEST 2
 #define QUICK 10
 #define INNER_STEPS 30
@@ -436,15 +438,19 @@ static void begin(newton *n, const system_problem *problem, const double *r)
 /* The next alpha: lower where Newton is at ease. */
 static void adapt(newton *n, int solved, uint32_t steps)
 {
+    const double missing = FAST_FALL * greater(n->distance, 1.0);
+
     if (!solved) {
         n->alpha *= RISE;
         n->fall = SLOW_FALL;
         return;
     }
     n->sweeps = n->sweeps > LEAST_SWEEPS ? n->sweeps / 2 : LEAST_SWEEPS;
+    if (steps <= 1 && n->fall > SLOW_FALL)
+        n->fall *= FAST_FALL;
     if (steps < QUICK)
-        n->alpha =
-            greater(n->alpha / (steps <= QUICKEST ? n->fall : SLOW_FALL), LEAST_ALPHA * n->size);
+        n->alpha = greater(n->alpha / (steps <= QUICKEST ? lesser(n->fall, missing) : SLOW_FALL),
+                           LEAST_ALPHA * n->size);
 }
 
 double newton_start(newton *n, const system_problem *problem, const goal *wanted,
