@@ -268,6 +268,13 @@ typedef struct sink {
     uint32_t count;
 } sink;
 
+/* Points from the count on are no numbers. */
+static void copy_manifold(const tribo_manifold *from, tribo_manifold *to)
+{
+    const size_t size = offsetof(tribo_manifold, points) + from->count * sizeof *from->points;
+    memcpy(to, from, size);
+}
+
 static void keep(sink *s, const tribo_manifold *m)
 {
     if (s->count < s->capacity) {
@@ -278,9 +285,9 @@ static void keep(sink *s, const tribo_manifold *m)
                 (before->child_a == m->child_a && before->child_b < m->child_b)) {
                 break;
             }
-            s->manifolds[k] = *before;
+            copy_manifold(before, &s->manifolds[k]);
         }
-        s->manifolds[k] = *m;
+        copy_manifold(m, &s->manifolds[k]);
     }
     s->count++;
 }
@@ -657,13 +664,6 @@ static tribo_status touch_mesh(const pair_query *whole, const part *a, const par
         }
     }
     return TRIBO_OK;
-}
-
-/* Points beyond the count are not written. */
-static void copy_manifold(const tribo_manifold *from, tribo_manifold *to)
-{
-    const size_t size = offsetof(tribo_manifold, points) + from->count * sizeof *from->points;
-    memcpy(to, from, size);
 }
 
 /* ---- all parts of a pair -------------------------------------------------------------------- */

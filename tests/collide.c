@@ -1469,6 +1469,30 @@ static void meshes_have_one_side(void **state)
     }
 }
 
+static void fill_stack(int byte)
+{
+    volatile unsigned char below[16384];
+    for (size_t i = 0; i < sizeof below; i++) {
+        below[i] = (unsigned char)byte;
+    }
+}
+
+/* Two calls are alike to the last byte, whatever has been on the stack before. */
+static void nothing_of_the_stack_shows(void **state)
+{
+    (void)state;
+    const tribo_shape mesh = terrain(0.0);
+    const tribo_shape rod = make(TRIBO_SHAPE_CAPSULE, 0.5, 3.0, 0);
+    const tribo_pose lying = {{4.1, 4.2, 0.4}, {sqrt(0.5), 0, sqrt(0.5), 0}};
+    static tribo_manifold m[2][128];
+    for (int k = 0; k < 2; k++) {
+        memset(m[k], 0, sizeof m[k]);
+        fill_stack(k == 0 ? 0x11 : 0xee);
+        assert_true(all_of(&rod, lying, &mesh, at(0, 0, 0), 128, m[k]) > 8);
+    }
+    assert_memory_equal(m[0], m[1], sizeof m[0]);
+}
+
 /* The ridge of a roof is an edge that a body may touch. */
 static void ridges_show(void **state)
 {
@@ -1818,6 +1842,7 @@ int main(void)
         cmocka_unit_test_setup(compounds_are_their_parts, fresh),
         cmocka_unit_test_setup(inner_edges_do_not_show, fresh),
         cmocka_unit_test_setup(meshes_have_one_side, fresh),
+        cmocka_unit_test_setup(nothing_of_the_stack_shows, fresh),
         cmocka_unit_test_setup(ridges_show, fresh),
         cmocka_unit_test_setup(faults_are_named_and_change_nothing, fresh),
         cmocka_unit_test_setup(options_of_any_age, fresh),
