@@ -1335,7 +1335,7 @@ tribo_status clip_check(const tribo_manifold *m)
 void clip_write(const pair_query *query, const double normal[3], uint32_t count,
                 const pair_point *points, tribo_manifold *out)
 {
-    pair_write_head(query, normal, count, out);
+    pair_write_head(query->turned, normal, count, out);
     for (uint32_t i = 0; i < count; i++) {
         pair_write_point(query, &points[i], &out->points[i]);
     }
@@ -1356,7 +1356,7 @@ void clip_finish(const pair_query *query, const double normal[3], double size, u
     }
     ring r;
     choose_points(normal, slack + LEVEL * size, query->max_points, kept, points, &r);
-    pair_write_head(query, normal, r.count, out);
+    pair_write_head(query->turned, normal, r.count, out);
     for (uint32_t i = 0; i < r.count; i++) {
         pair_write_point(query, &points[r.order[i]], &out->points[i]);
     }

@@ -10,8 +10,8 @@
  * - capsules whose segments touch: across both where they cross inside, else away from the ends
  *   that touch; along one line: across it, by the contact basis of that line;
  * - boxes: faces of A before faces of B before edges, and A on the positive side of them. */
+#include "box.h"
 #include "pair.h"
-
 #include "rows.h"
 
 #include <tribo/math.h>
@@ -22,9 +22,6 @@ static void column(const double r[9], int i, double out[3])
     out[1] = r[3 + i];
     out[2] = r[6 + i];
 }
-
-static const int next_axis[3] = {1, 2, 0};
-static const int last_axis[3] = {2, 0, 1};
 
 static double sign_of(double x)
 {
@@ -351,13 +348,8 @@ typedef struct plane {
 TRIBO_ALWAYS_INLINE void take_plane(const pair_query *query, plane *out)
 {
     const double *size = query->b->size;
-    if (query->upright) {
-        memcpy(out->normal, size, sizeof out->normal);
-    } else {
-        tribo_mat3_apply(query->rb, size, out->normal);
-    }
-    const double excess = tribo_vec3_dot(out->normal, out->normal) - 1.0;
-    if (absolute(excess) > 4.0 * TRIBO_EPS) {
+    tribo_mat3_apply(query->rb, size, out->normal);
+    if (!box_is_unit(out->normal)) {
         (void)unit(out->normal, out->normal);
     }
     out->level = tribo_vec3_dot(out->normal, query->offset) + size[3];
@@ -430,104 +422,44 @@ TRIBO_ALWAYS_INLINE void box_corners(const double r[9], const double half[3], in
     }
 }
 
-/* Without a branch, as nobody knows which it is: so are the two axes that follow another. */
-static int greatest_of(const double x[3])
-{
-    const int first = absolute(x[1]) > absolute(x[0]) ? 1 : 0;
-    const int third = absolute(x[2]) > greater(absolute(x[0]), absolute(x[1])) ? 1 : 0;
-    return third * 2 + (1 - third) * first;
-}
-
-static uint32_t box_face_number(int axis, double sign)
-{
-    return 2u * (uint32_t)axis + (sign > 0.0 ? 0u : 1u);
-}
-
 /* Fewer points than all that are near enough. */
-TRIBO_NEVER_INLINE tribo_status box_plane_reduced(const pair_query *query, const plane *p,
-                                                  const double corners[12],
-                                                  const double distances[4], uint32_t face,
-                                                  double limit, tribo_manifold *out)
+static void choose_corners(const pair_query *query, const double normal[3], uint32_t count,
+                           const tribo_point *corners, tribo_manifold *out)
 {
     pair_point points[4];
-    uint32_t count = 0;
-    for (uint32_t c = 0; c < 4; c++) {
-        if (distances[c] <= limit) {
-            points[count].distance = distances[c];
-            tribo_vec3_add_scaled(corners + 3 * c, -0.5 * distances[c], p->normal,
-                                  points[count].middle);
-            points[count].a = pair_feature(face, PAIR_VERTEX, c);
-            points[count++].b = pair_feature(0, PAIR_FACE, 0);
-        }
-    }
-    clip_finish(query, p->normal, 0.0, count, points, out);
-    return clip_check(out);
-}
-
-/* The corners that are near enough, by their numbers. */
-TRIBO_ALWAYS_INLINE void write_corners(int turned, const pair_query *query, const double normal[3],
-                                       const double corners[12], const double distances[4],
-                                       uint32_t face, uint32_t count, const uint32_t near[4],
-                                       tribo_point *restrict points)
-{
-    const double offset[3] = {query->offset[0], query->offset[1], query->offset[2]};
-    const double n[3] = {normal[0], normal[1], normal[2]};
-    const uint64_t first =
-        pair_id(turned, pair_feature(face, PAIR_VERTEX, 0), pair_feature(0, PAIR_FACE, 0));
-    const uint64_t step = pair_id(turned, 1, 0);
-    for (uint32_t i = 0; i < count; i++) {
-        const uint32_t c = near[i];
-        const double *at = corners + 3 * c;
-        const double back = -0.5 * distances[c];
-        const double middle[3] = {at[0] + back * n[0], at[1] + back * n[1], at[2] + back * n[2]};
-        pair_write_as(turned, offset, middle, distances[c], first + c * step, &points[i]);
-    }
-}
-
-/* The lowest face: it holds the deepest corner. */
-TRIBO_ALWAYS_INLINE tribo_status box_plane(const pair_query *query, const plane *p,
-                                           tribo_manifold *out)
-{
-    double corners[12];
-    double down[3];
-    double way[3]; /* of the half-edges along the normal */
-    const double *half = query->a->size;
-    tribo_mat3_apply_transposed(query->ra, p->normal, down);
-    way[0] = down[0] * half[0];
-    way[1] = down[1] * half[1];
-    way[2] = down[2] * half[2];
-    const double reach = extent(way);
-    const double limit = query->margin + PAIR_ROUNDING * (reach + absolute(p->level));
-    const int axis = greatest_of(down);
-    const double left = way[next_axis[axis]];
-    const double up = way[last_axis[axis]];
-    const double sign =
-        copysign(1.0, 0.0 - down[axis]); /* the greatest of a unit vector is not 0 */
-    const double level = sign * way[axis] - p->level;
-    const double right = level + sign * left;
-    const double other = level - sign * left;
-    const double distances[4] = {right + up, other + up, other - up, right - up};
-    uint32_t near[4];
-    uint32_t count = 0;
-    for (uint32_t c = 0; c < 4; c++) { /* no branch that depends on the pose */
-        near[count] = c;
-        count += distances[c] <= limit ? 1 : 0;
-    }
     if (count == 0) {
         clip_nothing(out);
-        return TRIBO_OK;
+        return;
     }
-    const uint32_t face = box_face_number(axis, sign);
-    box_corners(query->ra, half, axis, sign, corners);
+    for (uint32_t i = 0; i < count; i++) {
+        memcpy(points[i].middle, corners[i].arm_a, sizeof points[i].middle);
+        points[i].distance = corners[i].distance;
+        points[i].a = (uint32_t)(corners[i].id >> 32);
+        points[i].b = (uint32_t)corners[i].id;
+    }
+    clip_finish(query, normal, 0.0, count, points, out);
+}
+
+/* The way of pairs that are turned, not of usual size, or to have fewer points. */
+static tribo_status box_plane(const pair_query *query, const plane *p, tribo_manifold *out)
+{
+    const double lengths =
+        extent(query->a->size) + (absolute(query->b->size[3]) + extent(query->offset));
+    const box_ground ground = {query->ra, query->a->size, query->offset,
+                               p->normal, p->level,       box_limit(query->margin, lengths)};
     if (query->max_points < 4) {
-        return box_plane_reduced(query, p, corners, distances, face, limit, out);
+        tribo_point all[4];
+        const uint32_t count = box_on_ground(0, &ground, all);
+        choose_corners(query, p->normal, count, all, out);
+        return clip_check(out);
     }
-    if (query->turned) {
-        write_corners(1, query, p->normal, corners, distances, face, count, near, out->points);
+    const uint32_t count = query->turned ? box_on_ground(1, &ground, out->points)
+                                         : box_on_ground(0, &ground, out->points);
+    if (count == 0) {
+        clip_nothing(out);
     } else {
-        write_corners(0, query, p->normal, corners, distances, face, count, near, out->points);
+        pair_write_head(query->turned, p->normal, count, out);
     }
-    pair_write_head(query, p->normal, count, out);
     return query->safe ? TRIBO_OK : clip_check(out);
 }
 
@@ -1030,14 +962,6 @@ TRIBO_NEVER_INLINE tribo_status two_solids(const pair_query *query, tribo_manifo
         sphere_box(query, out);
     }
     return clip_check(out);
-}
-
-void closed_on_ground(const pair_query *query, tribo_manifold *out)
-{
-    plane p;
-    take_plane(query, &p);
-    (void)box_plane(query, &p, out);
-    out->method = TRIBO_METHOD_CLOSED;
 }
 
 tribo_status closed_manifold(const pair_query *query, tribo_manifold *out)

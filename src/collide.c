@@ -1,9 +1,9 @@
 #include <tribo/collide.h>
 
 #include "bits.h"
+#include "box.h"
 #include "mesh.h"
 #include "pair.h"
-#include "rows.h"
 
 #include <tribo/math.h>
 
@@ -20,70 +20,75 @@ static int size_is_known(uint32_t size, size_t newest)
     return size >= sizeof(uint32_t) && size <= newest && size % sizeof(uint32_t) == 0;
 }
 
-/* Options of any age into the full struct of this library. */
-static tribo_status read_options(const tribo_collide_options *options, tribo_collide_options *full)
+/* Options of any age into the full struct of this library. A field counts only if the caller's
+ * struct holds all of it. They are taken one by one: what was stored so can not be loaded at once
+ * without a stall. */
+TRIBO_ALWAYS_INLINE tribo_status read_options(const tribo_collide_options *options,
+                                              tribo_collide_options *full)
 {
-    memset(full, 0, sizeof *full);
-    if (options) {
-        if (!size_is_known(options->struct_size, sizeof *options)) {
-            return TRIBO_ERROR_STRUCT_SIZE;
-        }
-        /* A field counts only if the caller's struct holds all of it. */
-        const size_t head = offsetof(tribo_collide_options, margin);
-        const size_t size = options->struct_size;
-        if (size == sizeof *options) {
-            *full = *options;
-        } else {
-            memcpy(full, options, size < head ? size : head);
-        }
+    const uint32_t size = options ? options->struct_size : sizeof(uint32_t);
+    const int whole = size == sizeof *options;
+    if (!whole && !size_is_known(size, sizeof *options)) {
+        return TRIBO_ERROR_STRUCT_SIZE;
     }
-    if (full->method > TRIBO_METHOD_GENERAL || full->max_points > TRIBO_MAX_POINTS) {
+    const uint32_t points =
+        whole || size >= offsetof(tribo_collide_options, reserved) ? options->max_points : 0;
+    full->struct_size = size;
+    full->method =
+        whole || size >= offsetof(tribo_collide_options, max_points) ? options->method : 0;
+    full->max_points = points == 0 ? TRIBO_MAX_POINTS : points;
+    full->reserved = 0;
+    full->margin = whole ? options->margin : 0.0;
+    if (full->method > TRIBO_METHOD_GENERAL || points > TRIBO_MAX_POINTS) {
         return TRIBO_ERROR_OPTION;
     }
-    full->max_points = full->max_points == 0 ? TRIBO_MAX_POINTS : full->max_points;
-    return TRIBO_OK;
-}
-
-static tribo_status check_margin(double margin)
-{
-    if (!all_finite(&margin, 1)) {
-        return TRIBO_ERROR_NOT_FINITE;
+    if (full->margin >= 0.0 && full->margin < (double)INFINITY) {
+        return TRIBO_OK;
     }
-    return margin >= 0.0 ? TRIBO_OK : TRIBO_ERROR_RANGE;
+    return full->margin < 0.0 && full->margin > -(double)INFINITY ? TRIBO_ERROR_RANGE
+                                                                  : TRIBO_ERROR_NOT_FINITE;
 }
 
-static void rotation_of(const tribo_pose *pose, double r[9])
+/* The rotation of a quaternion; 0 if that is no unit one. What it lacks to one is so little that no
+ * division is needed: the next term of the series is 8e-18. */
+TRIBO_ALWAYS_INLINE int take_rotation(const double q[4], double r[9])
 {
-    const double *q = pose->orientation;
-    rotation_rows(q[0], q[1], q[2], q[3], r);
-}
-
-/* The rotation of a unit quaternion; 0 if it is none. The ground is seldom turned: then it costs no
- * division. */
-TRIBO_ALWAYS_INLINE int take_rotation(const double q[4], double r[9], uint32_t *upright)
-{
-    static const double none[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
-    const double rest = q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    const double square = q[0] * q[0] + rest;
-    *upright = rest == 0.0 && square == 1.0;
-    if (*upright) {
-        memcpy(r, none, sizeof none);
-        return 1;
-    }
-    rotation_rows(q[0], q[1], q[2], q[3], r);
-    return absolute(square - 1.0) <= 2.0 * UNIT_TOLERANCE;
+    const double w = q[0];
+    const double x = q[1];
+    const double y = q[2];
+    const double z = q[3];
+    const double xx = x * x;
+    const double yy = y * y;
+    const double zz = z * z;
+    const double xy = x * y;
+    const double xz = x * z;
+    const double yz = y * z;
+    const double wx = w * x;
+    const double wy = w * y;
+    const double wz = w * z;
+    const double excess = ((w * w + xx) + (yy + zz)) - 1.0;
+    const double s = 2.0 - (excess + excess) * (1.0 - excess); /* 2 / |q|^2 */
+    r[0] = 1.0 - s * (yy + zz);
+    r[1] = s * (xy - wz);
+    r[2] = s * (xz + wy);
+    r[3] = s * (xy + wz);
+    r[4] = 1.0 - s * (xx + zz);
+    r[5] = s * (yz - wx);
+    r[6] = s * (xz - wy);
+    r[7] = s * (yz + wx);
+    r[8] = 1.0 - s * (xx + yy);
+    return absolute(excess) <= 2.0 * UNIT_TOLERANCE;
 }
 
 static tribo_status check_pose(const tribo_pose *pose)
 {
     double r[9];
-    uint32_t upright;
     if (!all_finite(pose->position, 3)) {
         return TRIBO_ERROR_NOT_FINITE;
     }
-    return take_rotation(pose->orientation, r, &upright) ? TRIBO_OK
-           : all_finite(pose->orientation, 4)            ? TRIBO_ERROR_ORIENTATION
-                                                         : TRIBO_ERROR_NOT_FINITE;
+    return take_rotation(pose->orientation, r) ? TRIBO_OK
+           : all_finite(pose->orientation, 4)  ? TRIBO_ERROR_ORIENTATION
+                                               : TRIBO_ERROR_NOT_FINITE;
 }
 
 static int is_convex(uint32_t type)
@@ -149,7 +154,6 @@ static void turn(const pair_query *from, pair_query *to)
     to->margin = from->margin;
     to->max_points = from->max_points;
     to->turned = !from->turned;
-    to->upright = 0;
     to->safe = from->safe;
 }
 
@@ -237,7 +241,6 @@ static tribo_status take_pair(const tribo_shape *shape_a, const tribo_pose *pose
                               const tribo_shape *shape_b, const tribo_pose *pose_b,
                               const tribo_collide_options *options, pair_query *query)
 {
-    uint32_t upright;
     tribo_vec3_subtract(pose_b->position, pose_a->position, query->offset);
     query->a = shape_a;
     query->b = shape_b;
@@ -246,17 +249,62 @@ static tribo_status take_pair(const tribo_shape *shape_a, const tribo_pose *pose
     query->turned = 0;
     query->safe = length_of(shape_a) + length_of(shape_b) + extent(query->offset) < PAIR_LARGE;
     const int well = is_well(shape_a) && is_well(shape_b) && all_finite(query->offset, 3) &&
-                     take_rotation(pose_a->orientation, query->ra, &upright) &&
-                     take_rotation(pose_b->orientation, query->rb, &query->upright) &&
+                     take_rotation(pose_a->orientation, query->ra) &&
+                     take_rotation(pose_b->orientation, query->rb) &&
                      check_kinds(shape_a->type, shape_b->type) == TRIBO_OK;
     return well ? TRIBO_OK : check_pair(shape_a, pose_a, shape_b, pose_b);
 }
 
-/* A box on the ground, the most frequent of all pairs, goes the shortest way. */
-TRIBO_ALWAYS_INLINE int is_on_ground(const pair_query *query, uint32_t method)
+/* Whether a quaternion turns nothing, by its bits but that of the sign. */
+TRIBO_ALWAYS_INLINE int is_upright(const double q[4])
 {
-    return query->safe && query->a->type == TRIBO_SHAPE_BOX &&
-           query->b->type == TRIBO_SHAPE_HALFSPACE && method != TRIBO_METHOD_GENERAL;
+    return (bits_of(q[1]) | bits_of(q[2]) | bits_of(q[3])) << 1 == 0 &&
+           bits_of(q[0]) << 1 == bits_of(1.0) << 1;
+}
+
+/* A box on the ground, the most frequent of all pairs, goes the shortest way if all is well and of
+ * usual size. The ground is seldom turned: then its normal is as it stands. */
+TRIBO_ALWAYS_INLINE int touch_ground(const tribo_shape *box, const tribo_pose *pose,
+                                     const tribo_shape *ground, const tribo_pose *below,
+                                     const tribo_collide_options *options, tribo_manifold *out,
+                                     uint32_t *found)
+{
+    const double *half = box->size;
+    const double *size = ground->size;
+    if (box->type != TRIBO_SHAPE_BOX || ground->type != TRIBO_SHAPE_HALFSPACE ||
+        options->method == TRIBO_METHOD_GENERAL || options->max_points < 4) {
+        return 0;
+    }
+    double r[9];
+    double normal[3] = {size[0], size[1], size[2]};
+    double offset[3];
+    tribo_vec3_subtract(below->position, pose->position, offset);
+    const double lengths = (half[0] + half[1] + half[2]) + (absolute(size[3]) + extent(offset));
+    if (!(half[0] > 0.0 && half[1] > 0.0 && half[2] > 0.0 && lengths < PAIR_LARGE) ||
+        !take_rotation(pose->orientation, r)) {
+        return 0;
+    }
+    if (!is_upright(below->orientation)) {
+        double turn[9];
+        if (!take_rotation(below->orientation, turn)) {
+            return 0;
+        }
+        tribo_mat3_apply(turn, size, normal);
+    }
+    if (!box_is_unit(normal)) {
+        return 0;
+    }
+    const double level = tribo_vec3_dot(normal, offset) + size[3];
+    const box_ground pair = {r, half, offset, normal, level, box_limit(options->margin, lengths)};
+    pair_write_head(0, normal, 0, out); /* early: it may be read at once, and in wider pieces */
+    const uint32_t count = box_on_ground(0, &pair, out->points);
+    if (count == 0) {
+        clip_nothing(out);
+    }
+    out->count = count;
+    out->method = TRIBO_METHOD_CLOSED;
+    *found = count > 0 ? 1 : 0;
+    return 1;
 }
 
 /* ---- parts ---------------------------------------------------------------------------------- */
@@ -317,7 +365,7 @@ static void take_part(const tribo_shape *shape, const double r[9], uint32_t inde
     const tribo_child *child = (const tribo_child *)shape->data + index;
     double own[9];
     out->shape = &child->shape;
-    rotation_of(&child->pose, own);
+    (void)take_rotation(child->pose.orientation, own); /* it has been judged */
     tribo_mat3_multiply(r, own, out->r);
     tribo_mat3_apply(r, child->pose.position, out->position);
 }
@@ -335,7 +383,6 @@ static void take_parts(const pair_query *query, const part *a, const part *b, pa
     out->margin = query->margin;
     out->max_points = query->max_points;
     out->turned = query->turned;
-    out->upright = 0;
     out->safe = 0;
 }
 
@@ -786,18 +833,16 @@ tribo_status tribo_collide_shapes(const tribo_shape *shape_a, const tribo_pose *
         return TRIBO_ERROR_STRUCT_SIZE;
     }
     tribo_status status = read_options(options, &known);
-    status = status == TRIBO_OK ? check_margin(known.margin) : status;
+    if (status == TRIBO_OK && capacity > 0 &&
+        touch_ground(shape_a, pose_a, shape_b, pose_b, &known, manifolds, count)) {
+        full.closed = 1;
+        give_info(info, &full);
+        return TRIBO_OK;
+    }
     status =
         status == TRIBO_OK ? take_pair(shape_a, pose_a, shape_b, pose_b, &known, &query) : status;
     if (status != TRIBO_OK) {
         return status;
-    }
-    if (capacity > 0 && is_on_ground(&query, known.method)) {
-        closed_on_ground(&query, manifolds);
-        *count = manifolds->count > 0 ? 1 : 0;
-        full.closed = 1;
-        give_info(info, &full);
-        return TRIBO_OK;
     }
     status = is_simple(shape_a) && is_simple(shape_b)
                  ? collide_simple(&query, known.method, capacity, manifolds, count, &full)
@@ -822,17 +867,17 @@ static tribo_status batch_pair(uint32_t shape_count, const tribo_shape *shapes,
     }
     const tribo_shape *a = &shapes[pair[0]];
     const tribo_shape *b = &shapes[pair[1]];
+    uint32_t found;
+    if (touch_ground(a, &poses[pair[0]], b, &poses[pair[1]], options, out, &found)) {
+        info->closed++;
+        return TRIBO_OK;
+    }
     tribo_status status = take_pair(a, &poses[pair[0]], b, &poses[pair[1]], options, &query);
     if (status == TRIBO_OK && !(is_simple(a) && is_simple(b))) {
         status = TRIBO_ERROR_PAIR;
     }
     if (status != TRIBO_OK) {
         return status;
-    }
-    if (is_on_ground(&query, options->method)) {
-        closed_on_ground(&query, out);
-        info->closed++;
-        return TRIBO_OK;
     }
     if (query.safe && options->method != TRIBO_METHOD_GENERAL) {
         return touch(&query, options->method, out, info);
@@ -859,7 +904,6 @@ tribo_status tribo_collide_batch(uint32_t shape_count, const tribo_shape *shapes
         return TRIBO_ERROR_STRUCT_SIZE;
     }
     tribo_status first = read_options(options, &known);
-    first = first == TRIBO_OK ? check_margin(known.margin) : first;
     if (first != TRIBO_OK) {
         return first;
     }

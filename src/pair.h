@@ -16,9 +16,8 @@ typedef struct pair_query {
     double offset[3]; /* position of B minus position of A */
     double margin;
     uint32_t max_points;
-    uint32_t turned;  /* A here is the caller's B: manifolds are written the other way round */
-    uint32_t upright; /* B's rotation is none */
-    uint32_t safe;    /* boxes or half-spaces of usual size: no number of a closed form overflows */
+    uint32_t turned; /* A here is the caller's B: manifolds are written the other way round */
+    uint32_t safe;   /* boxes or half-spaces of usual size: no number of a closed form overflows */
 } pair_query;
 
 /* Where two convex shapes are nearest, or deepest. */
@@ -130,10 +129,10 @@ TRIBO_ALWAYS_INLINE void pair_write_point(const pair_query *query, const pair_po
     }
 }
 
-TRIBO_ALWAYS_INLINE void pair_write_head(const pair_query *query, const double normal[3],
-                                         uint32_t count, tribo_manifold *out)
+TRIBO_ALWAYS_INLINE void pair_write_head(uint32_t turned, const double normal[3], uint32_t count,
+                                         tribo_manifold *out)
 {
-    const double sign = query->turned ? -1.0 : 1.0;
+    const double sign = turned ? -1.0 : 1.0;
     out->count = count;
     out->child_a = 0;
     out->child_b = 0;
@@ -208,8 +207,5 @@ TRIBO_ALWAYS_INLINE int closed_exists(uint32_t type_a, uint32_t type_b)
 /* closed.c: its manifold. TRIBO_ERROR_SUPPORT if a user's function gave no finite point,
  * TRIBO_ERROR_RANGE if a number overflowed. */
 tribo_status closed_manifold(const pair_query *query, tribo_manifold *out);
-
-/* closed.c: manifold of a box A and a half-space B of usual size. */
-void closed_on_ground(const pair_query *query, tribo_manifold *out);
 
 #endif
