@@ -19,6 +19,7 @@
 #define MERGE 1e-9          /* of the size: points that are one */
 #define NEAR 1e-4           /* of the shortest side: a corner is at a vertex or on an edge */
 #define BETTER 1.00001      /* ratio of areas, or of squares, that is worth another choice */
+#define ABOVE 1e-6          /* of the lengths: corners so far beyond the margin are none */
 #define TILT 1e-5           /* radians by which supports are tilted to feel along a face, */
 #define TILT_GROWTH 8.0     /* and by so much more, up to the next, where that brings little: */
 #define MOST_TILT 5e-3      /* of round shapes the axis is known less well than the depth */
@@ -189,15 +190,21 @@ static uint32_t name_inside(const polygon *p, double reach, double u, double v)
 
 /* ---- clipping (Sutherland and Hodgman, CACM 17 (1974) 32) ----------------------------------- */
 
-enum { OWN_SIDE = 64 }; /* sides of the clipping polygon are numbered from here */
+enum {
+    LEVEL_SIDE = 32, /* in place of a side of the clipping polygon: a height */
+    OWN_SIDE = 64    /* sides of the clipping polygon are numbered from here */
+};
 
-typedef struct corner {
-    double u, v, h;
-    uint32_t
-        inner; /* features on the clipped polygon and on the one that clips, without the face */
-    uint32_t outer;
-    uint32_t side; /* the side that leaves here */
-} corner;
+/* Corners of what is left of a polygon: one array for each number, because numbers that were stored
+ * one by one can not be copied in wider pieces without a stall. */
+typedef struct outline {
+    uint32_t count;
+    uint32_t side[PAIR_MAX_POINTS];   /* that leaves here */
+    uint32_t origin[PAIR_MAX_POINTS]; /* a vertex, or two sides that cross: origin_of */
+    double u[PAIR_MAX_POINTS];
+    double v[PAIR_MAX_POINTS];
+    double h[PAIR_MAX_POINTS];
+} outline;
 
 /* One polygon clipped by another. */
 typedef struct clipping {
@@ -206,110 +213,141 @@ typedef struct clipping {
     double winding; /* of the outer one */
     double slack;   /* outside by so much is inside */
     double reach;   /* corners so near to a feature are named by it */
+    int near;       /* some corner is so near to an edge of the outer one */
 } clipping;
 
-/* Where p->side crosses side j of the clipping polygon. */
-static void crossing(const clipping *c, const corner *p, const corner *q, double dp, double dq,
-                     uint32_t j, corner *x)
+enum { NO_SIDE = 255 };
+
+/* Where a corner comes from: its name is made of that once it is known to stay. */
+static uint32_t origin_of(uint32_t side, uint32_t cut)
 {
-    const double f = dp / (dp - dq);
-    x->u = p->u + f * (q->u - p->u);
-    x->v = p->v + f * (q->v - p->v);
-    x->h = p->h + f * (q->h - p->h);
-    x->side = p->side;
-    if (p->side < OWN_SIDE) {
-        x->inner = name_on_side(c->inner, p->side, c->reach, x->u, x->v);
-        x->outer = name_on_side(c->outer, j, c->reach, x->u, x->v);
-    } else {
-        const uint32_t i = p->side - OWN_SIDE;
-        const uint32_t next = j + 1 == c->outer->count ? 0 : j + 1;
-        x->inner = name_inside(c->inner, c->reach, x->u, x->v);
-        x->outer = pair_feature(0, PAIR_VERTEX, next == i ? i : j);
+    return side << 8 | cut;
+}
+
+static void take_outline(const polygon *p, outline *out)
+{
+    out->count = p->count;
+    for (uint32_t i = 0; i < p->count; i++) {
+        out->side[i] = i;
+        out->origin[i] = origin_of(i, NO_SIDE);
+        out->u[i] = p->u[i];
+        out->v[i] = p->v[i];
+        out->h[i] = p->h[i];
     }
 }
 
-/* Keep what lies inside of side j; d are the values of its line at the corners. */
-static uint32_t clip_by_line(const clipping *c, const corner *in, uint32_t n, const double *d,
-                             double room, uint32_t j, corner *out)
+/* The features of a corner on the clipped polygon and on the one that clips, without the face. */
+static void name_corner(const clipping *c, const outline *x, uint32_t i, uint32_t *inner,
+                        uint32_t *outer)
 {
+    const uint32_t side = x->origin[i] >> 8;
+    const uint32_t cut = x->origin[i] & 255u;
+    const double u = x->u[i];
+    const double v = x->v[i];
+    if (cut == NO_SIDE) {
+        *inner = pair_feature(0, PAIR_VERTEX, side);
+        *outer = c->near ? name_inside(c->outer, c->reach, u, v) : pair_feature(0, PAIR_FACE, 0);
+    } else if (side < OWN_SIDE) {
+        *inner = name_on_side(c->inner, side, c->reach, u, v);
+        *outer = name_on_side(c->outer, cut, c->reach, u, v);
+    } else {
+        const uint32_t next = cut + 1 == c->outer->count ? 0 : cut + 1;
+        *inner = name_inside(c->inner, c->reach, u, v);
+        *outer = pair_feature(0, PAIR_VERTEX, next == side - OWN_SIDE ? next : cut);
+    }
+}
+
+/* Where the side that leaves corner i for k crosses side j of the clipping polygon; d are the values
+ * of its line. */
+static void take_crossing(const outline *in, uint32_t i, uint32_t k, const double *d, uint32_t j,
+                          outline *out, uint32_t m)
+{
+    const double f = d[i] / (d[i] - d[k]);
+    out->u[m] = in->u[i] + f * (in->u[k] - in->u[i]);
+    out->v[m] = in->v[i] + f * (in->v[k] - in->v[i]);
+    out->h[m] = in->h[i] + f * (in->h[k] - in->h[i]);
+    out->side[m] = in->side[i];
+    out->origin[m] = origin_of(in->side[i], j);
+}
+
+/* Keep what lies inside of side j; d are the values of its line at the corners. Nobody knows where
+ * it crosses, so no branch depends on that: every corner is copied, and the next one over it if it
+ * does not stay. Crossings get their places in between. */
+static void clip_by_line(const outline *in, const double *d, double room, uint32_t j, outline *out)
+{
+    const uint32_t n = in->count;
     uint32_t m = 0;
+    uint32_t last = 0;
+    uint32_t crossings = 0;
+    uint32_t from[PAIR_MAX_POINTS + 1];
+    uint32_t to[PAIR_MAX_POINTS + 1];
     for (uint32_t i = 0; i < n && m + 2 <= PAIR_MAX_POINTS; i++) {
         const uint32_t k = i + 1 == n ? 0 : i + 1;
-        const int inside = d[i] >= -room;
-        const int next_inside = d[k] >= -room;
-        if (inside) {
-            out[m++] = in[i];
-        }
-        if (inside && !next_inside) {
-            if (d[i] > room) {
-                crossing(c, &in[i], &in[k], d[i], d[k], j, &out[m++]);
-            }
-            out[m - 1].side = OWN_SIDE + j;
-        } else if (!inside && next_inside && d[k] > room) {
-            crossing(c, &in[i], &in[k], d[i], d[k], j, &out[m++]);
-        }
+        const uint32_t inside = d[i] >= -room ? 1 : 0;
+        const uint32_t next_inside = d[k] >= -room ? 1 : 0;
+        const uint32_t leaves = inside & (next_inside ^ 1u);
+        const uint32_t comes = next_inside & (inside ^ 1u);
+        const uint32_t clear = greater(d[i], d[k]) > room ? 1 : 0;
+        const uint32_t crosses = (leaves | comes) & clear;
+        out->side[m] = in->side[i];
+        out->origin[m] = in->origin[i];
+        out->u[m] = in->u[i];
+        out->v[m] = in->v[i];
+        out->h[m] = in->h[i];
+        m += inside;
+        from[crossings] = i;
+        to[crossings] = m;
+        crossings += crosses;
+        m += crosses;
+        last = leaves ? m - 1 : last;
     }
-    return m;
-}
-
-/* Names those vertices of the inner polygon anew that lie inside of the outer one, at its edges. */
-static void name_vertices(const clipping *c, uint32_t n, corner *corners)
-{
-    for (uint32_t i = 0; i < n; i++) {
-        corner *at = &corners[i];
-        if (at->outer == pair_feature(0, PAIR_FACE, 0)) {
-            at->outer = name_inside(c->outer, c->reach, at->u, at->v);
-        }
+    for (uint32_t c = 0; c < crossings; c++) {
+        const uint32_t i = from[c];
+        take_crossing(in, i, i + 1 == n ? 0 : i + 1, d, j, out, to[c]);
     }
+    out->side[last] = OWN_SIDE + j;
+    out->count = m;
 }
 
 /* Overlap of two polygons. Returns a pointer into the work space. */
-static const corner *clip_polygon(const clipping *c, corner work[2][PAIR_MAX_POINTS],
-                                  uint32_t *count)
+static const outline *clip_polygon(clipping *c, outline work[2])
 {
-    uint32_t n = c->inner->count;
-    corner *from = work[0];
-    corner *to = work[1];
-    int near = 0;
+    outline *from = &work[0];
+    outline *to = &work[1];
     double d[PAIR_MAX_POINTS];
-    for (uint32_t i = 0; i < n; i++) {
-        const corner vertex = {c->inner->u[i],
-                               c->inner->v[i],
-                               c->inner->h[i],
-                               pair_feature(0, PAIR_VERTEX, i),
-                               pair_feature(0, PAIR_FACE, 0),
-                               i};
-        from[i] = vertex;
-    }
-    for (uint32_t j = 0; j < c->outer->count && n > 0; j++) {
+    take_outline(c->inner, from);
+    for (uint32_t j = 0; j < c->outer->count && from->count > 0; j++) {
         const line l = side_line(c->outer, j, c->winding);
         const double room = c->slack * l.length;
         const double reach = c->reach * l.length;
         double least = (double)INFINITY;
         double nearest = (double)INFINITY;
-        for (uint32_t i = 0; i < n; i++) {
-            d[i] = line_value(&l, from[i].u, from[i].v);
+        for (uint32_t i = 0; i < from->count; i++) {
+            d[i] = line_value(&l, from->u[i], from->v[i]);
             least = lesser(d[i], least);
             nearest = lesser(absolute(d[i]), nearest);
         }
-        near |= nearest <= reach;
+        c->near |= nearest <= reach;
         if (least < -room) {
-            n = clip_by_line(c, from, n, d, room, j, to);
-            corner *swap = from;
+            clip_by_line(from, d, room, j, to);
+            outline *swap = from;
             from = to;
             to = swap;
         }
     }
-    if (near) {
-        name_vertices(c, n, from);
-    }
-    *count = n;
     return from;
 }
 
+/* An end of a segment, with the names of its features. */
+typedef struct segment_corner {
+    double u, v, h;
+    uint32_t inner;
+    uint32_t outer;
+} segment_corner;
+
 /* A segment clipped by a polygon: two corners, or none. */
 static uint32_t clip_segment(const polygon *inner, const polygon *outer, double winding,
-                             double slack, corner out[2])
+                             double slack, segment_corner out[2])
 {
     double t[2] = {0.0, 1.0};
     uint32_t cut[2] = {OWN_SIDE, OWN_SIDE};
@@ -338,12 +376,9 @@ static uint32_t clip_segment(const polygon *inner, const polygon *outer, double 
     for (int end = 0; end < 2; end++) {
         const double f = t[end];
         const int whole = cut[end] == OWN_SIDE;
-        corner c = {inner->u[0] + f * (inner->u[1] - inner->u[0]),
-                    inner->v[0] + f * (inner->v[1] - inner->v[0]),
-                    inner->h[0] + f * (inner->h[1] - inner->h[0]),
-                    0,
-                    0,
-                    0};
+        segment_corner c = {inner->u[0] + f * (inner->u[1] - inner->u[0]),
+                            inner->v[0] + f * (inner->v[1] - inner->v[0]),
+                            inner->h[0] + f * (inner->h[1] - inner->h[0]), 0, 0};
         c.inner = pair_feature(0, whole ? PAIR_VERTEX : PAIR_EDGE, whole ? (uint32_t)end : 0);
         c.outer = pair_feature(0, whole ? PAIR_FACE : PAIR_EDGE, whole ? 0 : cut[end]);
         out[end] = c;
@@ -369,18 +404,13 @@ static void name_features(const polygon p[2], int reference, uint32_t inner, uin
     point->b = pair_feature(p[1].feature, 0, 0) | b;
 }
 
-/* Corners of an overlap to points: `reference` is the polygon that clipped. */
-static uint32_t raise(const double frame[9], const polygon p[2], int reference, uint32_t count,
-                      const corner *corners, pair_point *points)
+/* Corner of an overlap to a point: `reference` is the polygon that clipped. */
+static void raise(const double frame[9], const polygon p[2], int reference, double u, double v,
+                  double height, pair_point *point)
 {
-    for (uint32_t i = 0; i < count; i++) {
-        const corner *c = corners + i;
-        const double h = height_at(&p[reference], c->u, c->v);
-        points[i].distance = reference == 0 ? h - c->h : c->h - h;
-        place(frame, c->u, c->v, 0.5 * (h + c->h), points[i].middle);
-        name_features(p, reference, c->inner, c->outer, &points[i]);
-    }
-    return count;
+    const double h = height_at(&p[reference], u, v);
+    point->distance = reference == 0 ? h - height : height - h;
+    place(frame, u, v, 0.5 * (h + height), point->middle);
 }
 
 static double slack_of(const polygon p[2])
@@ -392,19 +422,41 @@ static double slack_of(const polygon p[2])
     return CLIP_ROUNDING * lesser(p[0].size, p[1].size) + PAIR_ROUNDING * reach;
 }
 
+static uint32_t overlap_segment(const double frame[9], const polygon p[2], int reference,
+                                pair_point *points)
+{
+    segment_corner ends[2];
+    const uint32_t count =
+        clip_segment(&p[1 - reference], &p[reference], winding_of(reference), slack_of(p), ends);
+    for (uint32_t i = 0; i < count; i++) {
+        raise(frame, p, reference, ends[i].u, ends[i].v, ends[i].h, &points[i]);
+        name_features(p, reference, ends[i].inner, ends[i].outer, &points[i]);
+    }
+    return count;
+}
+
 static uint32_t overlap(const double frame[9], const polygon p[2], int reference,
                         pair_point *points)
 {
-    corner work[2][PAIR_MAX_POINTS];
-    const clipping c = {&p[1 - reference], &p[reference], winding_of(reference), slack_of(p),
-                        NEAR * lesser(p[0].shortest, p[1].shortest)};
-    uint32_t count;
+    outline work[2];
+    clipping c = {&p[1 - reference],
+                  &p[reference],
+                  winding_of(reference),
+                  slack_of(p),
+                  NEAR * lesser(p[0].shortest, p[1].shortest),
+                  0};
     if (c.inner->count == 2) {
-        count = clip_segment(c.inner, c.outer, c.winding, c.slack, work[0]);
-        return raise(frame, p, reference, count, work[0], points);
+        return overlap_segment(frame, p, reference, points);
     }
-    const corner *corners = clip_polygon(&c, work, &count);
-    return raise(frame, p, reference, count, corners, points);
+    const outline *x = clip_polygon(&c, work);
+    for (uint32_t i = 0; i < x->count; i++) {
+        uint32_t inner;
+        uint32_t outer;
+        raise(frame, p, reference, x->u[i], x->v[i], x->h[i], &points[i]);
+        name_corner(&c, x, i, &inner, &outer);
+        name_features(p, reference, inner, outer, &points[i]);
+    }
+    return x->count;
 }
 
 static void frame_of(const double n[3], double frame[9])
@@ -427,25 +479,26 @@ uint32_t clip_faces(const pair_query *query, const pair_face faces[2], int refer
 
 /* ---- faces of boxes -------------------------------------------------------------------------- */
 
-/* Least and greatest along u and v. */
-static void bounds_of(const polygon *p, double least[2], double most[2])
-{
-    least[0] = lesser(lesser(p->u[0], p->u[1]), lesser(p->u[2], p->u[3]));
-    least[1] = lesser(lesser(p->v[0], p->v[1]), lesser(p->v[2], p->v[3]));
-    most[0] = greater(greater(p->u[0], p->u[1]), greater(p->u[2], p->u[3]));
-    most[1] = greater(greater(p->v[0], p->v[1]), greater(p->v[2], p->v[3]));
-}
+enum { ALONG_U, ALONG_V, ALONG_H };
 
-/* Side j of the rectangle cuts. */
-static uint32_t cut(const clipping *c, const double half[2], uint32_t j, const corner *in,
-                    uint32_t n, corner *out)
+/* Of the outline work[at], keep what lies on one side of a line along an axis of the rectangle, if
+ * anything does not. Returns where the outline is now. */
+TRIBO_ALWAYS_INLINE uint32_t cut(outline work[2], uint32_t at, int along, double sign, double reach,
+                                 double slack, uint32_t j)
 {
+    const outline *x = &work[at];
+    const double *values = along == ALONG_U ? x->u : along == ALONG_V ? x->v : x->h;
     double d[PAIR_MAX_POINTS];
-    const double sign = j == 0 || j == 3 ? 1.0 : -1.0;
-    for (uint32_t i = 0; i < n; i++) {
-        d[i] = j % 2 == 0 ? half[1] - sign * in[i].v : half[0] - sign * in[i].u;
+    double least = (double)INFINITY;
+    for (uint32_t i = 0; i < x->count; i++) {
+        d[i] = reach - sign * values[i];
+        least = lesser(d[i], least);
     }
-    return clip_by_line(c, in, n, d, c->slack, j, out);
+    if (least >= -slack) {
+        return at;
+    }
+    clip_by_line(x, d, slack, j, &work[1 - at]);
+    return 1 - at;
 }
 
 static int is_near(const polygon *p, const double half[2], double reach)
@@ -458,27 +511,35 @@ static int is_near(const polygon *p, const double half[2], double reach)
     return near;
 }
 
-static double shortest_of(const polygon *p)
+/* Whether a corner is none of the overlap, but one that cutting at a height has made. */
+static int is_at_level(uint32_t origin)
 {
-    return lesser(absolute(p->u[0] - p->u[1]) + absolute(p->v[0] - p->v[1]),
-                  absolute(p->u[1] - p->u[2]) + absolute(p->v[1] - p->v[2]));
+    return ((origin & 255u) == LEVEL_SIDE) | (origin >> 8 == OWN_SIDE + LEVEL_SIDE);
 }
 
-static uint32_t raise_rectangle(const pair_query *query, const pair_rectangles *f, uint32_t count,
-                                const corner *corners, pair_point *points)
+static uint32_t raise_rectangle(const pair_query *query, const pair_rectangles *f,
+                                const clipping *c, const outline *x, pair_point *points)
 {
     const uint32_t own = pair_feature(f->own, 0, 0);
     const uint32_t other = pair_feature(f->other.feature, 0, 0);
-    for (uint32_t i = 0; i < count; i++) {
-        const corner *c = corners + i;
-        pair_point *to = points + i;
-        place(f->frame, c->u, c->v, 0.5 * (c->h + f->level), to->middle);
-        if (f->side != 0) {
-            tribo_vec3_add(to->middle, query->offset, to->middle);
+    const double shift = (double)f->side;
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < x->count; i++) {
+        if (is_at_level(x->origin[i])) {
+            continue;
         }
-        to->distance = c->h - f->level;
-        to->a = f->side == 0 ? own | c->outer : other | c->inner;
-        to->b = f->side == 0 ? other | c->inner : own | c->outer;
+        pair_point *to = points + count++;
+        uint32_t inner;
+        uint32_t outer;
+        name_corner(c, x, i, &inner, &outer);
+        place(f->frame, x->u[i], x->v[i], 0.5 * (x->h[i] + f->level), to->middle);
+        for (int k = 0; k < 3; k++) {
+            to->middle[k] += shift * query->offset[k];
+        }
+        to->distance = x->h[i] - f->level;
+        const uint32_t names[2] = {own | outer, other | inner};
+        to->a = names[f->side];
+        to->b = names[1 - f->side];
     }
     return count;
 }
@@ -497,43 +558,25 @@ uint32_t clip_rectangles(const pair_query *query, const pair_rectangles *f,
                          pair_point points[PAIR_MAX_POINTS])
 {
     polygon outer;
-    corner work[2][PAIR_MAX_POINTS];
-    corner *from = work[0];
-    corner *to = work[1];
-    double least[2];
-    double most[2];
-    const double a = f->half[0];
-    const double b = f->half[1];
-    uint32_t n = 4;
+    outline work[2];
+    const polygon *other = &f->other;
     take_corners(f->half, &outer);
-    bounds_of(&f->other, least, most);
-    const double size = greater(most[0] - least[0], most[1] - least[1]);
-    const double slack = CLIP_ROUNDING * lesser(size, 2.0 * greater(a, b)) +
-                         PAIR_ROUNDING * (a + b + size + extent(query->offset));
-    const double reach = NEAR * lesser(2.0 * lesser(a, b), shortest_of(&f->other));
-    const clipping c = {&f->other, &outer, 1.0, slack, reach};
-    const double beyond[4] = {most[1] - b, 0.0 - least[0] - a, 0.0 - least[1] - b, most[0] - a};
-    for (uint32_t i = 0; i < 4; i++) {
-        const corner vertex = {f->other.u[i],
-                               f->other.v[i],
-                               f->other.h[i],
-                               pair_feature(0, PAIR_VERTEX, i),
-                               pair_feature(0, PAIR_FACE, 0),
-                               i};
-        from[i] = vertex;
-    }
-    for (uint32_t j = 0; j < 4 && n > 0; j++) {
-        if (beyond[j] > slack) {
-            n = cut(&c, f->half, j, from, n, to);
-            corner *swap = from;
-            from = to;
-            to = swap;
-        }
-    }
-    if (is_near(&f->other, f->half, reach)) {
-        name_vertices(&c, n, from);
-    }
-    return raise_rectangle(query, f, n, from, points);
+    const double first = absolute(other->u[0] - other->u[1]) + absolute(other->v[0] - other->v[1]);
+    const double second = absolute(other->u[1] - other->u[2]) + absolute(other->v[1] - other->v[2]);
+    const double lengths = f->half[0] + f->half[1] + (first + second) + extent(query->offset);
+    const double slack = CLIP_ROUNDING * f->size + PAIR_ROUNDING * lengths;
+    const double reach = NEAR * lesser(2.0 * lesser(f->half[0], f->half[1]), lesser(first, second));
+    const clipping c = {other, &outer, 1.0, slack, reach, is_near(other, f->half, reach)};
+    /* first the height: most of what would be clipped hangs on corners too far from the face */
+    const double top = f->level + (query->margin + ABOVE * lengths);
+    uint32_t at = 0;
+    take_outline(other, work);
+    at = cut(work, at, ALONG_H, 1.0, top, 0.0, LEVEL_SIDE);
+    at = cut(work, at, ALONG_V, 1.0, f->half[1], slack, 0);
+    at = cut(work, at, ALONG_U, -1.0, f->half[0], slack, 1);
+    at = cut(work, at, ALONG_V, -1.0, f->half[1], slack, 2);
+    at = cut(work, at, ALONG_U, 1.0, f->half[0], slack, 3);
+    return raise_rectangle(query, f, &c, &work[at], points);
 }
 
 static uint32_t deepest_of(const pair_point *points, uint32_t count)
@@ -1296,21 +1339,25 @@ static uint32_t sift(double margin, double reach, uint32_t count, pair_point *po
 {
     uint32_t kept = 0;
     for (uint32_t i = 0; i < count; i++) {
-        int known = !(points[i].distance <= margin);
-        for (uint32_t k = 0; k < kept && reach > 0.0 && !known; k++) {
-            const int one = points[i].a == points[k].a && points[i].b == points[k].b;
-            known = one || is_same(points[i].middle, points[k].middle, reach);
-            if (known && points[i].distance < points[k].distance) {
-                points[i].a = points[k].a;
-                points[i].b = points[k].b;
-                points[k] = points[i];
-            }
+        const pair_point *p = &points[i];
+        uint32_t known = kept;
+        if (!(p->distance <= margin)) {
+            continue;
         }
-        if (!known) {
-            if (kept != i) {
-                points[kept] = points[i];
-            }
+        for (uint32_t k = kept; reach > 0.0 && k-- > 0;) {
+            const pair_point *q = &points[k];
+            const int one = (p->a == q->a) & (p->b == q->b);
+            const int same = (absolute(p->middle[0] - q->middle[0]) <= reach) &
+                             (absolute(p->middle[1] - q->middle[1]) <= reach) &
+                             (absolute(p->middle[2] - q->middle[2]) <= reach);
+            known = one | same ? k : known;
+        }
+        if (known == kept) {
+            points[kept] = *p;
             kept++;
+        } else if (p->distance < points[known].distance) {
+            memcpy(points[known].middle, p->middle, sizeof p->middle);
+            points[known].distance = p->distance;
         }
     }
     return kept;

@@ -561,85 +561,101 @@ static void take_boxes(const pair_query *query, boxes *x)
     x->rounding = PAIR_ROUNDING * (extent(query->offset) + extent(x->half_a) + extent(x->half_b));
 }
 
-static void offer_face(const boxes *x, int which, double distance, best_axis *best)
-{
-    if (which == 0 || distance > best->distance + x->rounding) {
-        best->which = which;
-        best->distance = distance;
-    }
-}
-
+/* The first face whose distance is the greatest, but for rounding. No branch depends on the pose:
+ * nobody knows which it is. */
 static void try_faces(const boxes *x, best_axis *best)
 {
     const double *ha = x->half_a;
     const double *hb = x->half_b;
+    double distances[6];
+    double most = -(double)INFINITY;
     for (int i = 0; i < 3; i++) {
         const double *s = x->abs_r[i];
         const double reach = ha[i] + (hb[0] * s[0] + hb[1] * s[1] + hb[2] * s[2]);
-        offer_face(x, i, absolute(x->ta[i]) - reach, best);
+        distances[i] = absolute(x->ta[i]) - reach;
+        most = greater(distances[i], most);
     }
     for (int j = 0; j < 3; j++) {
         const double reach =
             hb[j] + (ha[0] * x->abs_r[0][j] + ha[1] * x->abs_r[1][j] + ha[2] * x->abs_r[2][j]);
-        offer_face(x, 3 + j, absolute(x->tb[j]) - reach, best);
+        distances[3 + j] = absolute(x->tb[j]) - reach;
+        most = greater(distances[3 + j], most);
     }
+    int which = 5;
+    for (int k = 4; k >= 0; k--) {
+        which = distances[k] >= most - x->rounding ? k : which;
+    }
+    best->which = which;
+    best->distance = distances[which];
 }
 
-/* Along the cross product c of edge i of A and edge j of B, constants all: in the axes of A it has
- * the components -r[i2][j] and r[i1][j] along the two axes i1 and i2 that follow i. */
+/* Along the cross product c of edge i of A and edge j of B: in the axes of A it has the components
+ * -r[i2][j] and r[i1][j] along the two axes i1 and i2 that follow i. */
 TRIBO_ALWAYS_INLINE double along_edges(const boxes *x, int i1, int i2, int j)
 {
     return x->ta[i2] * x->r[i1][j] - x->ta[i1] * x->r[i2][j];
 }
 
-/* Distance along c times |c|, but for rounding of c: enough to see that it is not the greatest. */
-TRIBO_ALWAYS_INLINE double rough_edge_distance(const boxes *x, int i, int i1, int i2, int j, int j1,
-                                               int j2)
+/* x with its sign, squared. */
+TRIBO_ALWAYS_INLINE double signed_square(double x)
 {
-    const double reach_a = x->half_a[i1] * x->abs_r[i2][j] + x->half_a[i2] * x->abs_r[i1][j];
-    const double reach_b = x->half_b[j1] * x->abs_r[i][j2] + x->half_b[j2] * x->abs_r[i][j1];
-    return absolute(along_edges(x, i1, i2, j)) - (reach_a + reach_b);
+    return x * absolute(x);
 }
 
-/* All widths are those of c as it is, with its rounding, so that edges that are nearly parallel do
- * no harm: the direction has noise, its distance has none. */
-TRIBO_ALWAYS_INLINE double edge_distance(const boxes *x, int i1, int i2, int j, int j1, int j2)
-{
-    const double c1 = x->r[i2][j];
-    const double c2 = x->r[i1][j];
-    const double reach_a = x->half_a[i1] * x->abs_r[i2][j] + x->half_a[i2] * x->abs_r[i1][j];
-    const double reach_b = x->half_b[j1] * absolute(c2 * x->r[i2][j1] - c1 * x->r[i1][j1]) +
-                           x->half_b[j2] * absolute(c2 * x->r[i2][j2] - c1 * x->r[i1][j2]);
-    return absolute(along_edges(x, i1, i2, j)) - (reach_a + reach_b);
-}
-
-/* Edge i of A with edge j of B, constants both. Comparison by squares: the root is for the winner.
- * Returns 0 if the boxes are apart by more than the margin. */
-TRIBO_ALWAYS_INLINE int try_edge(const boxes *x, int i, int j, best_axis *best)
+/* Whether the distance along c, but for rounding of c, is above a limit that is given as its signed
+ * square: no root is needed to compare. i and j are constants. */
+TRIBO_ALWAYS_INLINE uint32_t may_exceed(const boxes *x, int i, int j, double limit)
 {
     const int i1 = i == 2 ? 0 : i + 1;
     const int i2 = i == 0 ? 2 : i - 1;
     const int j1 = j == 2 ? 0 : j + 1;
     const int j2 = j == 0 ? 2 : j - 1;
-    if (rough_edge_distance(x, i, i1, i2, j, j1, j2) < lesser(best->distance, 0.0) - x->rounding) {
-        return 1; /* by the length of c, which is at most 1, it gets no greater */
-    }
-    const double limit = best->distance + x->rounding;
-    const double distance = edge_distance(x, i1, i2, j, j1, j2);
     const double c1 = x->r[i2][j];
     const double c2 = x->r[i1][j];
+    const double reach_a = x->half_a[i1] * absolute(c1) + x->half_a[i2] * absolute(c2);
+    const double reach_b = x->half_b[j1] * x->abs_r[i][j2] + x->half_b[j2] * x->abs_r[i][j1];
+    const double most = absolute(along_edges(x, i1, i2, j)) - (reach_a + reach_b) + x->rounding;
     const double sine2 = c1 * c1 + c2 * c2;
-    if (!(sine2 > EDGES_PARALLEL) ||
-        (distance < 0.0 && !(limit < 0.0 && distance * distance < limit * limit * sine2))) {
+    const uint32_t exceeds = signed_square(most) > limit * sine2 ? 1 : 0;
+    const uint32_t crosses = sine2 > EDGES_PARALLEL ? 1 : 0;
+    return (exceeds & crosses) << (3 * i + j);
+}
+
+/* The pairs of edges that may be better than a face, a bit for each. */
+static uint32_t edges_to_try(const boxes *x, double distance)
+{
+    const double limit = signed_square(distance + x->rounding);
+    return may_exceed(x, 0, 0, limit) | may_exceed(x, 0, 1, limit) | may_exceed(x, 0, 2, limit) |
+           may_exceed(x, 1, 0, limit) | may_exceed(x, 1, 1, limit) | may_exceed(x, 1, 2, limit) |
+           may_exceed(x, 2, 0, limit) | may_exceed(x, 2, 1, limit) | may_exceed(x, 2, 2, limit);
+}
+
+/* All widths are those of c as it is, with its rounding, so that edges that are nearly parallel do
+ * no harm: the direction has noise, its distance has none. Comparison by squares: the root is for
+ * the winner. Returns 0 if the boxes are apart by more than the margin. */
+static int try_edge(const boxes *x, int i, int j, best_axis *best)
+{
+    const int i1 = next_axis[i];
+    const int i2 = last_axis[i];
+    const int j1 = next_axis[j];
+    const int j2 = last_axis[j];
+    const double c1 = x->r[i2][j];
+    const double c2 = x->r[i1][j];
+    const double along = along_edges(x, i1, i2, j);
+    const double reach_a = x->half_a[i1] * x->abs_r[i2][j] + x->half_a[i2] * x->abs_r[i1][j];
+    const double reach_b = x->half_b[j1] * absolute(c2 * x->r[i2][j1] - c1 * x->r[i1][j1]) +
+                           x->half_b[j2] * absolute(c2 * x->r[i2][j2] - c1 * x->r[i1][j2]);
+    const double distance = absolute(along) - (reach_a + reach_b);
+    const double limit = best->distance + x->rounding;
+    const double sine2 = c1 * c1 + c2 * c2;
+    if (!(signed_square(distance) > signed_square(limit) * sine2)) {
         return 1;
     }
     const double scaled = distance / sqrt(sine2);
-    if (scaled > limit) {
-        best->which = 6 + 3 * i + j;
-        best->distance = scaled;
-        best->sine2 = sine2;
-        best->side = sign_of(along_edges(x, i1, i2, j));
-    }
+    best->which = 6 + 3 * i + j;
+    best->distance = scaled;
+    best->sine2 = sine2;
+    best->side = sign_of(along);
     return scaled <= x->query->margin + x->rounding;
 }
 
@@ -647,9 +663,12 @@ TRIBO_ALWAYS_INLINE int try_edge(const boxes *x, int i, int j, best_axis *best)
  * margin. */
 static int try_edges(const boxes *x, best_axis *best)
 {
-    return try_edge(x, 0, 0, best) && try_edge(x, 0, 1, best) && try_edge(x, 0, 2, best) &&
-           try_edge(x, 1, 0, best) && try_edge(x, 1, 1, best) && try_edge(x, 1, 2, best) &&
-           try_edge(x, 2, 0, best) && try_edge(x, 2, 1, best) && try_edge(x, 2, 2, best);
+    int within = 1;
+    uint32_t left = edges_to_try(x, best->distance);
+    for (int k = 0; left != 0 && within; k++, left >>= 1) {
+        within = !(left & 1u) || try_edge(x, k / 3, k % 3, best);
+    }
+    return within;
 }
 
 static void box_face(const pair_query *query, int side, int axis, double sign, pair_face *face)
@@ -679,7 +698,7 @@ static void box_face_along(const pair_query *query, int side, const double direc
 static double face_size(const double half[3], uint32_t feature)
 {
     const uint32_t axis = feature / 2;
-    return greater(half[axis == 2 ? 0 : axis + 1], half[axis == 0 ? 2 : axis - 1]);
+    return greater(half[next_axis[axis]], half[last_axis[axis]]);
 }
 
 /* One of the twelve edges: its middle from the centre, its direction and half-length. */
@@ -765,18 +784,17 @@ static void nearest_edges(const boxes *x, const pair_axis *axis, tribo_manifold 
 static uint32_t extreme_edge(const double r[9], const double half[3], int i,
                              const double direction[3], double middle[3])
 {
-    uint32_t number = 0;
+    const int others[2] = {i == 0 ? 1 : 0, i == 2 ? 1 : 2};
+    uint32_t number = (uint32_t)i;
     middle[0] = middle[1] = middle[2] = 0.0;
-    for (int k = 0; k < 3; k++) {
-        if (k != i) {
-            double axis[3];
-            column(r, k, axis);
-            const double sign = sign_of(tribo_vec3_dot(axis, direction));
-            tribo_vec3_add_scaled(middle, sign * half[k], axis, middle);
-            number = 2 * number + (sign > 0.0 ? 1 : 0);
-        }
+    for (int c = 0; c < 2; c++) {
+        double axis[3];
+        column(r, others[c], axis);
+        const double sign = sign_of(tribo_vec3_dot(axis, direction));
+        tribo_vec3_add_scaled(middle, sign * half[others[c]], axis, middle);
+        number = 2 * number + (sign > 0.0 ? 1 : 0);
     }
-    return 4 * (uint32_t)i + number;
+    return number;
 }
 
 /* Where the extreme edges i of A and j of B cross. */
@@ -845,18 +863,17 @@ static void touch_faces(const boxes *x, const pair_face faces[2], int reference,
 static void take_rectangles(const boxes *x, int side, int axis, pair_rectangles *f)
 {
     const double *r = &x->r[0][0];
-    const int row = side == 0 ? 3 : 1;
-    const int step = side == 0 ? 1 : 3;
+    const int row = 3 - 2 * side;
+    const int step = 1 + 2 * side;
     const double *half = side == 0 ? x->half_a : x->half_b;
     const double *other = side == 0 ? x->half_b : x->half_a;
     const double *own = side == 0 ? x->query->ra : x->query->rb;
-    const double turn = side == 0 ? 1.0 : -1.0; /* offset from the box of the face to the other */
+    const double turn = 1.0 - 2.0 * (double)side; /* offset from the box of the face to the other */
     const double *t = side == 0 ? x->ta : x->tb;
     const int next = next_axis[axis];
     const int last = last_axis[axis];
     /* where the middles are level, A is on the positive side of B, and its own face the negative */
-    const double sign =
-        side == 0 ? 0.0 - copysign(1.0, 0.0 - t[axis]) : copysign(1.0, 0.0 - t[axis]);
+    const double sign = (0.0 - turn) * copysign(1.0, 0.0 - t[axis]);
     const int rows[3] = {axis, next, last};
     const double signs[3] = {sign, sign, 1.0};
     const double facing[3] = {r[row * axis], r[row * axis + step], r[row * axis + 2 * step]};
@@ -894,7 +911,7 @@ static void by_face(const boxes *x, int side, int axis, double distance, tribo_m
     pair_axis best;
     pair_point points[PAIR_MAX_POINTS];
     take_rectangles(x, side, axis, &f);
-    tribo_vec3_scale(side == 0 ? -1.0 : 1.0, f.frame, best.normal);
+    tribo_vec3_scale(2.0 * (double)side - 1.0, f.frame, best.normal);
     best.distance = distance;
     const uint32_t count = clip_rectangles(x->query, &f, points);
     finish_faces(x, &best, f.size, count, points, out);
@@ -909,9 +926,9 @@ static void by_edges(const boxes *x, const best_axis *best, tribo_manifold *out)
     double local[3] = {0.0, 0.0, 0.0};
     pair_axis axis;
     pair_face faces[2];
-    const double scale = (best->side > 0.0 ? -1.0 : 1.0) / sqrt(best->sine2);
-    local[i == 2 ? 0 : i + 1] = 0.0 - scale * x->r[i == 0 ? 2 : i - 1][j];
-    local[i == 0 ? 2 : i - 1] = scale * x->r[i == 2 ? 0 : i + 1][j];
+    const double scale = (0.0 - best->side) / sqrt(best->sine2);
+    local[next_axis[i]] = 0.0 - scale * x->r[last_axis[i]][j];
+    local[last_axis[i]] = scale * x->r[next_axis[i]][j];
     tribo_mat3_apply(x->query->ra, local, axis.normal);
     axis.distance = best->distance;
     const double back[3] = {0.0 - axis.normal[0], 0.0 - axis.normal[1], 0.0 - axis.normal[2]};

@@ -103,7 +103,7 @@ TRIBO_ALWAYS_INLINE uint64_t pair_id(int turned, uint32_t a, uint32_t b)
 }
 
 /* One number after the other: what was stored so can not be loaded at once without a stall.
- * `turned` is a constant wherever speed matters. */
+ * Which arm is whose is chosen without a branch. */
 TRIBO_ALWAYS_INLINE void pair_write_as(int turned, const double offset[3], const double middle[3],
                                        double distance, uint64_t id, tribo_point *to)
 {
@@ -120,19 +120,15 @@ TRIBO_ALWAYS_INLINE void pair_write_as(int turned, const double offset[3], const
 TRIBO_ALWAYS_INLINE void pair_write_point(const pair_query *query, const pair_point *from,
                                           tribo_point *to)
 {
-    if (query->turned) {
-        pair_write_as(1, query->offset, from->middle, from->distance, pair_id(1, from->a, from->b),
-                      to);
-    } else {
-        pair_write_as(0, query->offset, from->middle, from->distance, pair_id(0, from->a, from->b),
-                      to);
-    }
+    const int turned = (int)query->turned;
+    pair_write_as(turned, query->offset, from->middle, from->distance,
+                  pair_id(turned, from->a, from->b), to);
 }
 
 TRIBO_ALWAYS_INLINE void pair_write_head(uint32_t turned, const double normal[3], uint32_t count,
                                          tribo_manifold *out)
 {
-    const double sign = turned ? -1.0 : 1.0;
+    const double sign = 1.0 - 2.0 * (double)turned;
     out->count = count;
     out->child_a = 0;
     out->child_b = 0;
