@@ -3,8 +3,8 @@
  * Everything is seen along the normal n, in coordinates (h, u, v) of the contact frame (n, t1, t2):
  * the faces become polygons in the plane, the points are the corners of their overlap, and the
  * distance at a point is the difference of the heights h of the two faces above it. */
+#include "hull.h"
 #include "pair.h"
-
 #include "rows.h"
 
 #include <tribo/math.h>
@@ -31,13 +31,23 @@ enum { SEARCHED = 12 }; /* corners of which the best are sought among all choice
 
 /* ---- faces ---------------------------------------------------------------------------------- */
 
+/* What is known of a small hull's vertices; null: nothing. */
+static const pair_arms *arms_of(const pair_query *query, int side)
+{
+    return query->arms != NULL && query->arms[side].count > 0 ? &query->arms[side] : NULL;
+}
+
 int clip_take_face(const pair_query *query, int side, const double direction[3], pair_face *face)
 {
     const double *r = side == 0 ? query->ra : query->rb;
+    const tribo_shape *shape = side == 0 ? query->a : query->b;
+    const pair_arms *arms = arms_of(query, side);
     double local[3];
     tribo_mat3_apply_transposed(r, direction, local);
-    face->count = shape_face(side == 0 ? query->a : query->b, local, face->points, face->normal,
-                             &face->feature);
+    face->count = arms != NULL
+                      ? shape_face_at(shape, convex_farthest(arms, direction), local, face->points,
+                                      face->normal, &face->feature)
+                      : shape_face(shape, local, face->points, face->normal, &face->feature);
     tribo_mat3_apply(r, face->normal, face->normal);
     for (uint32_t i = 0; i < face->count; i++) {
         double *p = face->points + 3 * i;
@@ -54,12 +64,19 @@ static int take_support(const pair_query *query, int side, const double directio
                         double point[3])
 {
     const double *r = side == 0 ? query->ra : query->rb;
-    double local[3];
-    tribo_mat3_apply_transposed(r, direction, local);
-    if (!shape_support(side == 0 ? query->a : query->b, local, point)) {
-        return 0;
+    const tribo_shape *shape = side == 0 ? query->a : query->b;
+    const pair_arms *arms = arms_of(query, side);
+    if (arms != NULL) {
+        const double *vertices = hull_vertices(shape->data);
+        tribo_mat3_apply(r, vertices + 3 * (size_t)convex_farthest(arms, direction), point);
+    } else {
+        double local[3];
+        tribo_mat3_apply_transposed(r, direction, local);
+        if (!shape_support(shape, local, point)) {
+            return 0;
+        }
+        tribo_mat3_apply(r, point, point);
     }
-    tribo_mat3_apply(r, point, point);
     if (side != 0) {
         tribo_vec3_add(point, query->offset, point);
     }

@@ -152,6 +152,7 @@ static void turn(const pair_query *from, pair_query *to)
         to->offset[i] = 0.0 - from->offset[i];
     }
     to->margin = from->margin;
+    to->arms = NULL;
     to->max_points = from->max_points;
     to->turned = !from->turned;
     to->safe = from->safe;
@@ -161,12 +162,15 @@ TRIBO_NEVER_INLINE tribo_status general(const pair_query *query, tribo_manifold 
                                         tribo_collide_info *info)
 {
     pair_axis axis;
-    const tribo_status status = convex_axis(query, &axis, info);
+    pair_arms arms[2];
+    pair_query full = *query;
+    full.arms = arms;
+    const tribo_status status = convex_axis(&full, &axis, info);
     if (status != TRIBO_OK) {
         return status;
     }
     info->general++;
-    clip_manifold(query, &axis, out);
+    clip_manifold(&full, &axis, out);
     out->method = TRIBO_METHOD_GENERAL;
     return clip_check(out);
 }
@@ -245,6 +249,7 @@ static tribo_status take_pair(const tribo_shape *shape_a, const tribo_pose *pose
     query->a = shape_a;
     query->b = shape_b;
     query->margin = options->margin;
+    query->arms = NULL;
     query->max_points = options->max_points;
     query->turned = 0;
     query->safe = length_of(shape_a) + length_of(shape_b) + extent(query->offset) < PAIR_LARGE;
@@ -381,6 +386,7 @@ static void take_parts(const pair_query *query, const part *a, const part *b, pa
     tribo_vec3_subtract(b->position, a->position, apart);
     tribo_vec3_add(query->offset, apart, out->offset);
     out->margin = query->margin;
+    out->arms = NULL;
     out->max_points = query->max_points;
     out->turned = query->turned;
     out->safe = 0;

@@ -39,7 +39,6 @@ enum {
     LONG_DESCENTS = 10,
     SETTLEMENTS = 8,
     NEWTON_STEPS = 8,
-    STRANDS = 4,
     EXPLORED = 16, /* searches a survey may start, */
     FEW = 3,       /* of which these give up early, */
     CALLS = 1000,  /* and calls of M after which it starts none */
@@ -62,18 +61,9 @@ typedef struct basin {
     double slope[2]; /* to both sides of the kink */
 } basin;
 
-/* Vertices of a small hull from its core, world axes, scaled: all supports of a search look at all
- * of them. */
-typedef struct arms {
-    uint32_t count; /* a multiple of STRANDS: the first again; 0: of any other shape */
-    double x[HULL_LINEAR];
-    double y[HULL_LINEAR];
-    double z[HULL_LINEAR];
-} arms;
-
 typedef struct search {
     const pair_query *pair;
-    arms arms[2];
+    pair_arms *arms;    /* of A and B */
     double scale;       /* a power of two: lengths here are lengths there times scale */
     double center_a[3]; /* cores, in the axes of their shapes, metres */
     double center_b[3];
@@ -171,55 +161,93 @@ static int bone_support(const tribo_shape *shape, const double direction[3], dou
 }
 
 static void take_arms(const tribo_shape *shape, const double r[9], const double center[3],
-                      double scale, arms *out)
+                      double scale, pair_arms *restrict out)
 {
-    out->count = 0;
-    if (shape->type != TRIBO_SHAPE_HULL) {
-        return;
-    }
     const hull_block *hull = shape->data;
-    const double *v = hull_vertices(hull);
-    const uint32_t count = hull->vertex_count;
-    if (count > HULL_LINEAR) {
+    out->count = 0;
+    if (shape->type != TRIBO_SHAPE_HULL || hull->vertex_count > PAIR_ARMS) {
         return;
     }
-    for (uint32_t i = 0; i < count; i++) {
-        const double x = (v[3 * i] - center[0]) * scale;
-        const double y = (v[3 * i + 1] - center[1]) * scale;
-        const double z = (v[3 * i + 2] - center[2]) * scale;
-        out->x[i] = r[0] * x + r[1] * y + r[2] * z;
-        out->y[i] = r[3] * x + r[4] * y + r[5] * z;
-        out->z[i] = r[6] * x + r[7] * y + r[8] * z;
+    const double *v = hull_vertices(hull);
+    const uint32_t vertices = hull->vertex_count;
+    const uint32_t count = vertices > PAIR_ARMS / 2 ? PAIR_ARMS : PAIR_ARMS / 2;
+    double m[9];
+    for (int i = 0; i < 9; i++) {
+        m[i] = scale * r[i]; /* exact */
     }
-    for (out->count = count; out->count % STRANDS != 0; out->count++) {
-        out->x[out->count] = out->x[0];
-        out->y[out->count] = out->y[0];
-        out->z[out->count] = out->z[0];
+    for (uint32_t i = 0; i < vertices; i++) {
+        const double x = v[3 * i] - center[0];
+        const double y = v[3 * i + 1] - center[1];
+        const double z = v[3 * i + 2] - center[2];
+        out->x[i] = m[0] * x + m[1] * y + m[2] * z;
+        out->y[i] = m[3] * x + m[4] * y + m[5] * z;
+        out->z[i] = m[6] * x + m[7] * y + m[8] * z;
+    }
+    for (uint32_t i = vertices; i < count; i++) {
+        out->x[i] = out->x[0];
+        out->y[i] = out->y[0];
+        out->z[i] = out->z[0];
+    }
+    out->count = count;
+    out->vertices = vertices;
+}
+
+/* Greatest of pairs `half` apart. */
+TRIBO_ALWAYS_INLINE void halve(const double *restrict from, uint32_t half, double *restrict to)
+{
+    for (uint32_t i = 0; i < half; i++) {
+        to[i] = from[i] > from[half + i] ? from[i] : from[half + i];
     }
 }
 
-/* Without a chain from vertex to vertex: heights first, then the greatest by strands, and last the
- * first that is as great. */
-static void farthest_arm(const arms *from, const double n[3], double sign, double out[3])
+/* Where the greatest of all is, known where it is in its half: it is one of a pair. */
+TRIBO_ALWAYS_INLINE uint32_t step_back(const double *from, uint32_t half, double most, uint32_t at)
 {
-    double h[HULL_LINEAR];
-    const double d[3] = {sign * n[0], sign * n[1], sign * n[2]};
-    const uint32_t count = from->count;
-    double most[STRANDS] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-    for (uint32_t i = 0; i < count; i++) {
+    return at + (from[at] >= most ? 0 : half);
+}
+
+/* A knockout without a branch and without a chain from vertex to vertex: heights first, then the
+ * greater ones of pairs, and back to where the greatest has come from. `half` is 8 or 16. */
+TRIBO_ALWAYS_INLINE uint32_t knock_out(const pair_arms *from, uint32_t half, const double d[3])
+{
+    double h[PAIR_ARMS];
+    double of_16[16];
+    double of_8[8];
+    double of_4[4];
+    double of_2[2];
+    for (uint32_t i = 0; i < 2 * half; i++) {
         h[i] = d[0] * from->x[i] + d[1] * from->y[i] + d[2] * from->z[i];
     }
-    for (uint32_t i = 0; i < count; i += STRANDS) {
-        most[0] = greater(h[i], most[0]);
-        most[1] = greater(h[i + 1], most[1]);
-        most[2] = greater(h[i + 2], most[2]);
-        most[3] = greater(h[i + 3], most[3]);
+    if (half == 16) {
+        halve(h, 16, of_16);
     }
-    const double all = greater(greater(most[0], most[1]), greater(most[2], most[3]));
-    uint32_t k = 0;
-    while (k + 1 < count && h[k] < all) {
-        k++;
-    }
+    const double *first = half == 16 ? of_16 : h;
+    halve(first, 8, of_8);
+    halve(of_8, 4, of_4);
+    halve(of_4, 2, of_2);
+    const double most = greater(of_2[0], of_2[1]);
+    uint32_t at = step_back(of_2, 1, most, 0);
+    at = step_back(of_4, 2, most, at);
+    at = step_back(of_8, 4, most, at);
+    at = step_back(first, 8, most, at);
+    return half == 16 ? step_back(h, 16, most, at) : at;
+}
+
+static uint32_t farthest_arm(const pair_arms *from, const double d[3])
+{
+    return from->count == PAIR_ARMS ? knock_out(from, 16, d) : knock_out(from, 8, d);
+}
+
+uint32_t convex_farthest(const pair_arms *arms, const double direction[3])
+{
+    const uint32_t k = farthest_arm(arms, direction);
+    return k < arms->vertices ? k : 0;
+}
+
+static void arm_along(const pair_arms *from, const double n[3], double sign, double out[3])
+{
+    const double d[3] = {sign * n[0], sign * n[1], sign * n[2]};
+    const uint32_t k = farthest_arm(from, d);
     out[0] = from->x[k];
     out[1] = from->y[k];
     out[2] = from->z[k];
@@ -252,12 +280,12 @@ static double support(search *s, const double n[3], double point[3])
     int found = 1;
     s->calls++;
     if (s->arms[0].count > 0) {
-        farthest_arm(&s->arms[0], n, -1.0, a);
+        arm_along(&s->arms[0], n, -1.0, a);
     } else {
         found = part(s->pair->a, s->pair->ra, s->center_a, s->scale, n, -1.0, a);
     }
     if (s->arms[1].count > 0) {
-        farthest_arm(&s->arms[1], n, 1.0, b);
+        arm_along(&s->arms[1], n, 1.0, b);
     } else {
         found = part(s->pair->b, s->pair->rb, s->center_b, s->scale, n, 1.0, b) && found;
     }
@@ -998,8 +1026,9 @@ typedef struct support_face {
 } support_face;
 
 static void face_of(const search *s, const tribo_shape *shape, const double r[9],
-                    const double center[3], double sign, support_face *face)
+                    const double center[3], double sign, const pair_arms *arms, support_face *face)
 {
+    const double direction[3] = {sign * s->normal[0], sign * s->normal[1], sign * s->normal[2]};
     double local[3];
     double normal[3];
     double points[3 * TRIBO_MAX_FACE];
@@ -1008,7 +1037,9 @@ static void face_of(const search *s, const tribo_shape *shape, const double r[9]
     face->shape = shape;
     face->r = r;
     face->sign = sign;
-    face->count = shape_face(shape, local, points, normal, &feature);
+    face->count = arms->count > 0 ? shape_face_at(shape, convex_farthest(arms, direction), local,
+                                                  points, normal, &feature)
+                                  : shape_face(shape, local, points, normal, &feature);
     for (uint32_t i = 0; i < face->count; i++) {
         for (int c = 0; c < 3; c++) {
             points[3 * i + (uint32_t)c] = (points[3 * i + (uint32_t)c] - center[c]) * s->scale;
@@ -1219,8 +1250,8 @@ static int prefer_edges(search *s, const support_face *a, const support_face *b)
 
 static void faces_of(const search *s, support_face *a, support_face *b)
 {
-    face_of(s, s->pair->a, s->pair->ra, s->center_a, -1.0, a);
-    face_of(s, s->pair->b, s->pair->rb, s->center_b, 1.0, b);
+    face_of(s, s->pair->a, s->pair->ra, s->center_a, -1.0, &s->arms[0], a);
+    face_of(s, s->pair->b, s->pair->rb, s->center_b, 1.0, &s->arms[1], b);
 }
 
 /* The normals of the faces that meet, or of the edges. Returns whether one of them is as good
@@ -1625,6 +1656,8 @@ static void least_width(search *s)
 tribo_status convex_axis(const pair_query *query, pair_axis *axis, tribo_collide_info *info)
 {
     search s;
+    pair_arms own[2];
+    s.arms = query->arms != NULL ? query->arms : own;
     begin(&s, query);
     least_width(&s);
     info->supports += 2 * s.calls;

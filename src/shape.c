@@ -435,11 +435,11 @@ static void keep_vertex(const uint32_t *loop, uint32_t count, uint32_t vertex, u
     kept[nearest] = at;
 }
 
-static uint32_t face_hull(const tribo_shape *shape, const double d[3], double *points,
+/* The normal is the direction before. */
+static uint32_t face_hull(const tribo_shape *shape, uint32_t vertex, double *points,
                           double normal[3], uint32_t *feature)
 {
     const hull_block *hull = shape->data;
-    const uint32_t vertex = hull_vertex(shape, d);
     const uint32_t face = hull_face_at(hull, vertex, normal);
     const uint32_t *starts = hull_table(hull, hull->face_starts);
     const uint32_t *loop = hull_table(hull, hull->loops) + starts[face];
@@ -516,6 +516,13 @@ static uint32_t face_user(const tribo_convex *user, const double d[3], double *p
     return count > 0 ? count : support_user(user, d, points) ? 1u : 0u;
 }
 
+uint32_t shape_face_at(const tribo_shape *shape, uint32_t vertex, const double direction[3],
+                       double points[3 * TRIBO_MAX_FACE], double normal[3], uint32_t *feature)
+{
+    unit_of(direction, normal);
+    return face_hull(shape, vertex, points, normal, feature);
+}
+
 uint32_t shape_face(const tribo_shape *shape, const double direction[3],
                     double points[3 * TRIBO_MAX_FACE], double normal[3], uint32_t *feature)
 {
@@ -532,7 +539,7 @@ uint32_t shape_face(const tribo_shape *shape, const double direction[3],
     case TRIBO_SHAPE_CONE:
         return face_cone(shape->size, d, points, normal, feature);
     case TRIBO_SHAPE_HULL:
-        return face_hull(shape, d, points, normal, feature);
+        return face_hull(shape, hull_vertex(shape, d), points, normal, feature);
     case TRIBO_SHAPE_CONVEX:
         return face_user(shape->data, d, points, normal);
     default:
