@@ -838,19 +838,19 @@ static int tear(polytope *x, int first, const double p[3], double tolerance, rim
 
 static void link_outer(polytope *x, int outer, int from, int to, int inner)
 {
-    facet *f = &x->f[outer];
-    for (int i = 0; i < 3; i++) {
-        if (f->v[i] == to && f->v[(i + 1) % 3] == from) {
-            f->next[i] = inner;
-        }
-    }
+    facet *f = &x->f[outer]; /* it has the side, and nobody knows in which place */
+    const int second = (f->v[1] == to) & (f->v[2] == from);
+    const int third = (f->v[2] == to) & (f->v[0] == from);
+    f->next[second + 2 * third] = inner;
 }
 
 /* Joins the rim to a new point. Returns 0 if the rim is no simple loop, as rounding may have it. */
 static int mend(polytope *x, int point, const rim *edges, int count)
 {
     int starts[POINTS];
-    memset(starts, -1, sizeof starts);
+    for (int k = 0; k < count; k++) {
+        starts[edges[k].from] = starts[edges[k].to] = -1;
+    }
     for (int k = 0; k < count; k++) {
         const int at = free_facet(x);
         if (at < 0 || starts[edges[k].from] >= 0) {
