@@ -287,25 +287,24 @@ static void take_crossing(const outline *in, uint32_t i, uint32_t k, const doubl
     out->origin[m] = origin_of(in->side[i], j);
 }
 
-/* Keep what lies inside of side j; d are the values of its line at the corners. Nobody knows where
- * it crosses, so no branch depends on that: every corner is copied, and the next one over it if it
+/* Keep what lies inside of side j; d are the values of its line at the corners, and room for the
+ * first again. Nobody knows where it crosses, so no branch depends on that: every corner is copied, and the next one over it if it
  * does not stay. Crossings get their places in between. */
-static void clip_by_line(const outline *in, const double *d, double room, uint32_t j, outline *out)
+static void clip_by_line(const outline *in, double d[PAIR_MAX_POINTS + 1], double room, uint32_t j,
+                         outline *out)
 {
     const uint32_t n = in->count;
     uint32_t m = 0;
-    uint32_t last = 0;
+    uint32_t last[2] = {0, 0}; /* the second: before the line is left */
     uint32_t crossings = 0;
     uint32_t from[PAIR_MAX_POINTS + 1];
     uint32_t to[PAIR_MAX_POINTS + 1];
+    uint32_t inside = d[0] >= -room ? 1 : 0;
+    d[n] = d[0];
     for (uint32_t i = 0; i < n && m + 2 <= PAIR_MAX_POINTS; i++) {
-        const uint32_t k = i + 1 == n ? 0 : i + 1;
-        const uint32_t inside = d[i] >= -room ? 1 : 0;
-        const uint32_t next_inside = d[k] >= -room ? 1 : 0;
-        const uint32_t leaves = inside & (next_inside ^ 1u);
-        const uint32_t comes = next_inside & (inside ^ 1u);
-        const uint32_t clear = greater(d[i], d[k]) > room ? 1 : 0;
-        const uint32_t crosses = (leaves | comes) & clear;
+        const uint32_t next_inside = d[i + 1] >= -room ? 1 : 0;
+        const uint32_t clear = greater(d[i], d[i + 1]) > room ? 1 : 0;
+        const uint32_t crosses = (inside ^ next_inside) & clear;
         out->side[m] = in->side[i];
         out->origin[m] = in->origin[i];
         out->u[m] = in->u[i];
@@ -316,13 +315,14 @@ static void clip_by_line(const outline *in, const double *d, double room, uint32
         to[crossings] = m;
         crossings += crosses;
         m += crosses;
-        last = leaves ? m - 1 : last;
+        last[inside & (next_inside ^ 1u)] = m - 1;
+        inside = next_inside;
     }
     for (uint32_t c = 0; c < crossings; c++) {
         const uint32_t i = from[c];
         take_crossing(in, i, i + 1 == n ? 0 : i + 1, d, j, out, to[c]);
     }
-    out->side[last] = OWN_SIDE + j;
+    out->side[last[1]] = OWN_SIDE + j;
     out->count = m;
 }
 
@@ -331,7 +331,7 @@ static const outline *clip_polygon(clipping *c, outline work[2])
 {
     outline *from = &work[0];
     outline *to = &work[1];
-    double d[PAIR_MAX_POINTS];
+    double d[PAIR_MAX_POINTS + 1];
     take_outline(c->inner, from);
     for (uint32_t j = 0; j < c->outer->count && from->count > 0; j++) {
         const line l = side_line(c->outer, j, c->winding);
@@ -505,7 +505,7 @@ TRIBO_ALWAYS_INLINE uint32_t cut(outline work[2], uint32_t at, int along, double
 {
     const outline *x = &work[at];
     const double *values = along == ALONG_U ? x->u : along == ALONG_V ? x->v : x->h;
-    double d[PAIR_MAX_POINTS];
+    double d[PAIR_MAX_POINTS + 1];
     double least = (double)INFINITY;
     for (uint32_t i = 0; i < x->count; i++) {
         d[i] = reach - sign * values[i];
@@ -1370,7 +1370,9 @@ static uint32_t sift(double margin, double reach, uint32_t count, pair_point *po
             known = one | same ? k : known;
         }
         if (known == kept) {
-            points[kept] = *p;
+            if (kept != i) { /* what has just been written can not be copied without a stall */
+                points[kept] = *p;
+            }
             kept++;
         } else if (p->distance < points[known].distance) {
             memcpy(points[known].middle, p->middle, sizeof p->middle);

@@ -240,23 +240,46 @@ TRIBO_NEVER_INLINE tribo_status check_pair(const tribo_shape *shape_a, const tri
     return status == TRIBO_OK ? TRIBO_ERROR_RANGE : status;
 }
 
+/* Whether two boxes are to be seen the other way round by their sizes: without a branch, as nobody
+ * knows. Ties, and all other pairs, are left to is_turned. */
+static int sizes_are_turned(const tribo_shape *a, const tribo_shape *b)
+{
+    int order = 0;
+    if (a->type != TRIBO_SHAPE_BOX || b->type != TRIBO_SHAPE_BOX) {
+        return 0;
+    }
+    for (int i = 3; i >= 0; i--) {
+        const int more = a->size[i] > b->size[i] ? 1 : 0;
+        const int less = a->size[i] < b->size[i] ? 1 : 0;
+        order = more | less ? more - less : order;
+    }
+    return order > 0;
+}
+
 /* The pair without its shapes' parts, if all of it is well. A finite offset has finite ends. */
 static tribo_status take_pair(const tribo_shape *shape_a, const tribo_pose *pose_a,
                               const tribo_shape *shape_b, const tribo_pose *pose_b,
                               const tribo_collide_options *options, pair_query *query)
 {
-    tribo_vec3_subtract(pose_b->position, pose_a->position, query->offset);
-    query->a = shape_a;
-    query->b = shape_b;
+    const tribo_shape *const shapes[2] = {shape_a, shape_b};
+    const tribo_pose *const poses[2] = {pose_a, pose_b};
+    const int turned = sizes_are_turned(shape_a, shape_b);
+    const tribo_shape *a = shapes[turned];
+    const tribo_shape *b = shapes[1 - turned];
+    const tribo_pose *at_a = poses[turned];
+    const tribo_pose *at_b = poses[1 - turned];
+    tribo_vec3_subtract(at_b->position, at_a->position, query->offset);
+    query->a = a;
+    query->b = b;
     query->margin = options->margin;
     query->arms = NULL;
     query->max_points = options->max_points;
-    query->turned = 0;
-    query->safe = length_of(shape_a) + length_of(shape_b) + extent(query->offset) < PAIR_LARGE;
-    const int well = is_well(shape_a) && is_well(shape_b) && all_finite(query->offset, 3) &&
-                     take_rotation(pose_a->orientation, query->ra) &&
-                     take_rotation(pose_b->orientation, query->rb) &&
-                     check_kinds(shape_a->type, shape_b->type) == TRIBO_OK;
+    query->turned = (uint32_t)turned;
+    query->safe = length_of(a) + length_of(b) + extent(query->offset) < PAIR_LARGE;
+    const int well = is_well(a) && is_well(b) && all_finite(query->offset, 3) &&
+                     take_rotation(at_a->orientation, query->ra) &&
+                     take_rotation(at_b->orientation, query->rb) &&
+                     check_kinds(a->type, b->type) == TRIBO_OK;
     return well ? TRIBO_OK : check_pair(shape_a, pose_a, shape_b, pose_b);
 }
 
