@@ -21,6 +21,11 @@
 #define SHORTEST 1e-4         /* of a step's length: it goes no further */
 #define BOUNDARY 0.98         /* of the way to the edge of the cones */
 #define LEAST_CENTERING 1e-8
+/* Where the convex problem gets nearer to its own solution, but not to that of Coulomb's law: steps
+ * without progress, and how far x . y falls meanwhile. */
+#define PATIENCE 4
+#define PROGRESS 0.9
+#define IDLE_FALL 1e-3
 
 typedef struct scaling {
     double w[3];
@@ -348,9 +353,27 @@ void interior_start(newton *n)
         n->slip[c] = 0.0;
 }
 
+/* What the best distance in a round was, when, and x . y then. */
+typedef struct progress {
+    double distance, gap;
+    int step;
+} progress;
+
+/* Note where a round is. Returns 1 if it leads elsewhere. */
+static int is_idle(const newton *n, int step, double gap, progress *best)
+{
+    if (n->distance < PROGRESS * best->distance) {
+        best->distance = n->distance;
+        best->gap = gap;
+        best->step = step;
+    }
+    return step - best->step >= PATIENCE || gap < IDLE_FALL * best->gap;
+}
+
 double interior_round(newton *n, newton_run *run, double *r)
 {
     const double held = n->distance;
+    progress best = {HUGE_VAL, 0.0, 0};
     double share = 1.0;
 
     start_inside(n);
@@ -363,7 +386,8 @@ double interior_round(newton *n, newton_run *run, double *r)
         impulses_of(n, n->moved);
         const double before = n->distance;
         newton_judge(n, n->moved);
-        if (gap_at(n, 0.0) <= enough || n->distance <= SURPLUS ||
+        const double gap = gap_at(n, 0.0);
+        if (gap <= enough || n->distance <= SURPLUS || is_idle(n, i, gap, &best) ||
             (n->reached.distance <= 1.0 && n->distance > 0.3 * before))
             break;
     }
