@@ -347,13 +347,15 @@ static void eliminate(size_t rows, size_t ld, double reciprocal, size_t at, cons
     }
 }
 
-/* Columns k to k + 7 (of which `columns` are there) of the rows from k to `end`; these are
- * exchanged up to column `right`. */
-static int factor_panel(size_t k, size_t columns, size_t end, size_t right, size_t ld, double *a,
+/* Columns k to k + 7 (of which `columns` are there) of the rows from k to the end of the band; these
+ * are exchanged up to column `right`. */
+static int factor_panel(const dense_shape *shape, size_t k, size_t columns, size_t right, double *a,
                         uint32_t *pivots)
 {
+    const size_t ld = shape->stride;
     for (size_t c = 0; c < columns; c++) {
         const size_t row = k + c;
+        const size_t end = shape->n - row > shape->band ? row + shape->band + 1 : shape->n;
         const size_t pivot = find_pivot(end, ld, a, row);
         pivots[row] = (uint32_t)pivot;
         if (pivot != row) {
@@ -411,7 +413,7 @@ static int lu(const dense_shape *shape, double *a, uint32_t *pivots)
         const size_t columns = n - k < BLOCK ? n - k : BLOCK;
         const size_t end = end_of(n, k, shape->band);
         const size_t right = width_of(end_of(n, k, 2 * (size_t)shape->band));
-        if (!factor_panel(k, columns, end, right, ld, a, pivots)) {
+        if (!factor_panel(shape, k, columns, right, a, pivots)) {
             return 0;
         }
         if (n - k > BLOCK) {

@@ -523,7 +523,8 @@ double newton_continue(newton *n, newton_run *run, uint64_t steps, double *r)
     while (n->distance > 1.0 && run->steps - first < steps && run->steps < run->most_steps &&
            run->halted == 0 && run->status == TRIBO_OK && !newton_stalls(n, run))
         advance(n, run);
-    run->growth = certificate_growth(n->problem, n->r, n->dv);
+    if (n->reached.distance > 1.0)
+        run->growth = certificate_growth(n->problem, n->r, n->dv);
     copy(3 * (size_t)n->problem->count, n->best, r);
     return n->reached.distance;
 }

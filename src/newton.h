@@ -23,8 +23,9 @@ typedef struct newton_run {
 
     uint64_t steps;
     uint64_t factorizations;
-    uint32_t halted;     /* what `halt` returned */
-    double growth;       /* certificate_growth of the last impulses, not of the best */
+    uint32_t halted; /* what `halt` returned */
+    double growth;   /* certificate_growth of the last impulses, not of the best; where they miss
+                            the goal */
     tribo_status status; /* of `linear`; else TRIBO_OK */
 } newton_run;
 

@@ -258,16 +258,17 @@ static void root_of(const double j[6], double l[6])
 }
 
 /* One side of a contact: six columns of rows n, t1, t2. */
-static void half_of(const newton *n, size_t c, uint32_t side, double *half)
+static void half_of(const newton *n, size_t c, uint32_t side, double *restrict half)
 {
     const system_problem *p = n->problem;
     const uint32_t body = p->pairs[2 * c + side];
     const double sign = side == 0 ? 1.0 : -1.0;
 
-    for (int i = 0; i < 18; i++)
-        half[i / 6 * 12 + i % 6] = 0.0;
-    if (body == TRIBO_WORLD)
+    if (body == TRIBO_WORLD) {
+        for (int i = 0; i < 18; i++)
+            half[i / 6 * 12 + i % 6] = 0.0;
         return;
+    }
     const double m = sign * sqrt(p->inverse_mass[body] / n->unit);
     const double *l = n->root + 6 * (size_t)body;
     for (int k = 0; k < 3; k++) {

@@ -151,7 +151,7 @@ static verdict sweep_on(solver *s, const system_problem *p, const goal *wanted, 
 }
 
 /* The same from r, judged as `start` before, which receives the best; returns its verdict. s->dv is
- * that of r. */
+ * that of r. With `hope`, others go on, and their growth counts. */
 static verdict sweep_from(solver *s, const system_problem *p, const goal *wanted, uint64_t most,
                           double hope, anderson *leaps, verdict start, double *r, uint64_t *done)
 {
@@ -159,7 +159,8 @@ static verdict sweep_from(solver *s, const system_problem *p, const goal *wanted
 
     copy(3 * (size_t)p->count, r, s->held);
     const verdict last = sweep_on(s, p, wanted, most, hope, leaps, start, &least, r, done);
-    s->growth = growth_of(s, p, wanted, last, r);
+    if (least.distance > 1.0 && hope == 0.0)
+        s->growth = growth_of(s, p, wanted, last, r);
     copy(3 * (size_t)p->count, s->held, r);
     return least;
 }
@@ -340,17 +341,18 @@ static double run_turns(solver *s, const system_problem *p, turns *t, double *r)
     }
 }
 
-/* `swept` is where sweeps have led, r where Newton starts; r receives the best of all. */
+/* `swept` is where sweeps have led, judged as `least`, r where Newton starts; r receives the best of
+ * all. */
 static double take_turns(solver *s, const system_problem *p, const goal *wanted, double price,
-                         double *swept, uint64_t *sweeps, double *r)
+                         verdict least, double *swept, uint64_t *sweeps, double *r)
 {
     turns t = {.wanted = wanted,
                .price = price,
                .leaps = leaps_on(s, p),
                .swept = swept,
+               .least = least,
                .sweeps = sweeps};
 
-    t.least = judge(s, p, wanted, swept);
     copy(3 * (size_t)p->count, swept, s->held);
     s->info->solver = TRIBO_SOLVER_NEWTON;
     const double distance = run_turns(s, p, &t, r);
@@ -387,7 +389,7 @@ static verdict solve_fixed(solver *s, const system_problem *p, const goal *wante
         copy(numbers, r, s->swept);
         /* Sweeps spoil the contacts of a stack at rest, which Newton finds at once from nothing. */
         copy(numbers, s->start_r, r);
-        now.distance = take_turns(s, p, wanted, price, s->swept, &sweeps, r);
+        now.distance = take_turns(s, p, wanted, price, now, s->swept, &sweeps, r);
         *is_judged = 0;
     }
     if (sweeps > s->info->sweeps)
