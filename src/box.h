@@ -46,34 +46,38 @@ TRIBO_ALWAYS_INLINE double box_limit(double margin, double lengths)
     return margin + PAIR_ROUNDING * lengths;
 }
 
-/* One component of the points midway between the corners and the plane: what the normal has of it,
- * and a row of the box's rotation. */
-TRIBO_ALWAYS_INLINE void box_take_row(int k, double n, const double row[3], const int axes[3],
-                                      const double size[3], const double heights[3],
-                                      double middle[4][3])
+/* One component of the arms of all corners: what the normal has of it, a row of the box's rotation,
+ * and what the other body's position has of it. */
+TRIBO_ALWAYS_INLINE void box_write_row(int turned, int k, const box_ground *g, const int axes[3],
+                                       const double size[3], const double heights[3],
+                                       tribo_point *const to[4])
 {
-    const double back = 0.5 * n;
+    const double *row = g->r + 3 * k;
+    const double offset = g->offset[k];
+    const double back = 0.5 * g->normal[k];
     const double center = row[axes[0]] * size[0] - back * heights[0];
     const double side = row[axes[1]] * size[1] - back * heights[1];
     const double other = row[axes[2]] * size[2] - back * heights[2];
     const double right = center + side;
     const double left = center - side;
-    middle[0][k] = right + other;
-    middle[1][k] = left + other;
-    middle[2][k] = left - other;
-    middle[3][k] = right - other;
+    const double middle[4] = {right + other, left + other, left - other, right - other};
+    for (int c = 0; c < 4; c++) {
+        double *own = turned ? to[c]->arm_b : to[c]->arm_a;
+        double *others = turned ? to[c]->arm_a : to[c]->arm_b;
+        own[k] = middle[c];
+        others[k] = middle[c] - offset;
+    }
 }
 
 /* The corners of the lowest face, which holds the deepest, as far as they are near enough. A corner
  * is the middle of the face and half a side to either hand, and so are its distance and the point
- * midway to the plane. No branch depends on the pose but how many there are. Returns their
- * number. */
+ * midway to the plane. No branch depends on the pose: all four are written, each in the place of
+ * the one before if that does not count. Returns how many do. */
 TRIBO_ALWAYS_INLINE uint32_t box_on_ground(int turned, const box_ground *g,
                                            tribo_point *restrict points)
 {
     const double *r = g->r;
     const double n[3] = {g->normal[0], g->normal[1], g->normal[2]};
-    const double offset[3] = {g->offset[0], g->offset[1], g->offset[2]};
     const double *half = g->half;
     const double down[3] = {r[0] * n[0] + r[3] * n[1] + r[6] * n[2],
                             r[1] * n[0] + r[4] * n[1] + r[7] * n[2],
@@ -91,20 +95,17 @@ TRIBO_ALWAYS_INLINE uint32_t box_on_ground(int turned, const box_ground *g,
     const uint32_t face = pair_feature(box_face_number(axis, sign), PAIR_VERTEX, 0);
     const uint64_t first = pair_id(turned, face, pair_feature(0, PAIR_FACE, 0));
     const uint64_t step = pair_id(turned, 1, 0);
-    double middle[4][3];
-    uint32_t near[4];
+    tribo_point *to[4];
     uint32_t count = 0;
     for (uint32_t c = 0; c < 4; c++) {
-        near[count] = c;
+        to[c] = &points[count];
+        to[c]->distance = distances[c];
+        to[c]->id = first + c * step;
         count += distances[c] <= g->limit ? 1 : 0;
     }
-    box_take_row(0, n[0], r, axes, size, heights, middle);
-    box_take_row(1, n[1], r + 3, axes, size, heights, middle);
-    box_take_row(2, n[2], r + 6, axes, size, heights, middle);
-    for (uint32_t i = 0; i < count; i++) {
-        const uint32_t c = near[i];
-        pair_write_as(turned, offset, middle[c], distances[c], first + c * step, &points[i]);
-    }
+    box_write_row(turned, 0, g, axes, size, heights, to);
+    box_write_row(turned, 1, g, axes, size, heights, to);
+    box_write_row(turned, 2, g, axes, size, heights, to);
     return count;
 }
 
