@@ -196,7 +196,7 @@ SUPPORT_OBJECTS := $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard tests/support/*.c)
 # Rooms of libtribo and of the program; the targets of all others link libtribo_core alone.
 FULL_ROOMS := broad collide scene shape sparse table
 FULL_SUPPORT := $(patsubst %,$(BUILD)/obj/%.o,fuzz/support/scenes fuzz/support/shapes \
-    tests/support/pairs)
+    tests/support/pairs tests/support/poured)
 FUZZ_OBJECTS := $(filter-out $(FULL_SUPPORT),$(SUPPORT_OBJECTS) \
     $(patsubst %.c,$(BUILD)/obj/%.o,$(wildcard fuzz/support/*.c)))
 ROOMS := $(patsubst fuzz/%.c,%,$(wildcard fuzz/*.c))

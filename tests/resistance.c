@@ -441,7 +441,7 @@ static void test_random_systems(void **state)
 static void draw_scene(uint64_t i, systems_scene *scene)
 {
     if (i % 5 == 0) {
-        systems_pile(scene, 3, i);
+        systems_rubble(scene, 3, i);
     } else {
         systems_random(scene, 5, 9, (uint32_t)(i * 37) & SYSTEMS_ALL, i);
     }

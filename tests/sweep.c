@@ -273,7 +273,7 @@ static void test_same_bits_of_many(void **state)
     systems_scene scene;
     (void)state;
     most_tasks = 0;
-    systems_pile(&scene, 13, 7);
+    systems_rubble(&scene, 13, 7);
     for (size_t c = 0; c < scene.count; c += 3) {
         scene.contacts[c].dimension = c % 2 == 0 ? 1 : 3;
         scene.contacts[c].pair.mu_s *= 1.5;

@@ -829,7 +829,7 @@ static void draw_scene(systems_scene *scene, uint64_t i)
         systems_wall(scene, 4, 4, i + 1);
         break;
     case 2:
-        systems_pile(scene, 4, i);
+        systems_rubble(scene, 4, i);
         break;
     case 3:
         systems_sliding_tower(scene, 5, i);
@@ -935,7 +935,7 @@ static void test_large_systems_run_in_parallel(void **state)
     (void)state;
     options.solver = TRIBO_SOLVER_GAUSS_SEIDEL;
     options.max_iterations = 10;
-    systems_pile(&scene, 16, 3);
+    systems_rubble(&scene, 16, 3);
     solve(&scene, &options, NULL, &want);
     options.parallel = threads;
     options.tasks = 2;

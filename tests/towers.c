@@ -5,6 +5,7 @@
 #include <tribo/sparse.h>
 #include <tribo/system.h>
 
+#include "poured.h"
 #include "problems.h"
 #include "quad_system.h"
 #include "systems.h"
@@ -541,7 +542,7 @@ static void test_slippery_piles(void **state)
         systems_scene pile;
         answer want;
         answer got;
-        systems_pile(&pile, 7, seed);
+        systems_rubble(&pile, 7, seed);
         for (size_t i = 0; i < pile.count; i++) {
             pile.contacts[i].pair.mu_s = pile.contacts[i].pair.mu_d = 0.1;
         }
@@ -568,8 +569,51 @@ static void test_rough_piles(void **state)
     for (uint64_t seed = 1; seed <= 6; seed++) {
         systems_scene pile;
         answer got;
-        systems_pile(&pile, 5, seed);
+        systems_rubble(&pile, 5, seed);
         solve(&pile, &options, NULL, &got);
+        assert_int_equal(got.info.stop, TRIBO_STOP_TOLERANCE);
+        release(&got);
+        systems_free(&pile);
+    }
+}
+
+/* What falls into a box: contacts that slide, part and meet. Sweeps get there. */
+static void test_poured_spheres_that_fall(void **state)
+{
+    tribo_system_options options = defaults();
+    (void)state;
+    options.measure = TRIBO_MEASURE_INVARIANT;
+    options.tolerance = 1e-8;
+    for (uint64_t seed = 1; seed <= 3; seed++) {
+        systems_scene pile;
+        answer got;
+        poured(&pile, 400, POURED_FALLING, seed);
+        assert_true(pile.count >= 700);
+        solve(&pile, &options, NULL, &got);
+        print_message("# pour of %u contacts: %u sweeps, %u steps\n", (unsigned)pile.count,
+                      (unsigned)got.info.sweeps, (unsigned)got.info.steps);
+        assert_int_equal(got.info.stop, TRIBO_STOP_TOLERANCE);
+        release(&got);
+        systems_free(&pile);
+    }
+}
+
+/* Once they lie, a fifth of the contacts still slides, and no balance without slip is to be found: the
+ * hardest moment of a pile. */
+static void test_poured_spheres_that_lie(void **state)
+{
+    tribo_system_options options = defaults();
+    (void)state;
+    options.measure = TRIBO_MEASURE_INVARIANT;
+    options.tolerance = 1e-8;
+    for (uint64_t seed = 1; seed <= 4; seed++) {
+        systems_scene pile;
+        answer got;
+        poured(&pile, 90, POURED_LYING, seed);
+        assert_true(pile.count >= 180);
+        solve(&pile, &options, NULL, &got);
+        print_message("# pile of %u contacts: %u sweeps, %u steps\n", (unsigned)pile.count,
+                      (unsigned)got.info.sweeps, (unsigned)got.info.steps);
         assert_int_equal(got.info.stop, TRIBO_STOP_TOLERANCE);
         release(&got);
         systems_free(&pile);
@@ -631,6 +675,8 @@ int main(void)
         cmocka_unit_test(test_assembled_heaps),
         cmocka_unit_test(test_slippery_piles),
         cmocka_unit_test(test_rough_piles),
+        cmocka_unit_test(test_poured_spheres_that_fall),
+        cmocka_unit_test(test_poured_spheres_that_lie),
     };
     return cmocka_run_group_tests_name("towers", tests, NULL, NULL);
 }

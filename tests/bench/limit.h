@@ -1,5 +1,5 @@
-/* Limits of what a bench runs: one thread, and work in a process of its own, which may break, or be
- * stopped after so many seconds of the processor. It needs _DEFAULT_SOURCE, for MAP_ANONYMOUS. */
+/* Limits of what a bench runs: work in a process of its own, which may break, or be stopped after so
+ * many seconds of the processor. It needs _DEFAULT_SOURCE, for MAP_ANONYMOUS. */
 #ifndef TRIBO_BENCH_LIMIT_H
 #define TRIBO_BENCH_LIMIT_H
 
@@ -13,6 +13,8 @@
 #include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include "threads.h"
 
 /* Zeros that both processes see: what the work has found so far. */
 static void *limit_share(size_t size)
@@ -32,22 +34,6 @@ static void limit_set(double seconds)
     timer.it_value.tv_sec = (time_t)seconds;
     timer.it_value.tv_usec = (suseconds_t)(1e6 * (seconds - floor(seconds)));
     setitimer(ITIMER_PROF, &timer, NULL);
-}
-
-/* OpenMP and the BLAS read these when they are loaded: the program starts anew where it has to. */
-static void limit_threads(char **argv)
-{
-    static const char *const names[] = {"OMP_THREAD_LIMIT", "OPENBLAS_NUM_THREADS"};
-    int changed = 0;
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        const char *value = getenv(names[i]);
-        if (!value || strcmp(value, "1") != 0) {
-            changed |= setenv(names[i], "1", 1) == 0;
-        }
-    }
-    if (changed) {
-        execv(argv[0], argv);
-    }
 }
 
 enum { LIMIT_DONE, LIMIT_STOPPED, LIMIT_BROKEN };

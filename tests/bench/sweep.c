@@ -133,7 +133,7 @@ static void make_sliding(systems_scene *out, size_t contacts)
 /* Spheres with noise in their velocities: contacts that open, stick and slip. */
 static void make_mixed(systems_scene *out, size_t contacts)
 {
-    systems_pile(out, (size_t)(cbrt((double)contacts / 2.0) + 1.0), 1);
+    systems_rubble(out, (size_t)(cbrt((double)contacts / 2.0) + 1.0), 1);
 }
 
 static void make_frictionless(systems_scene *out, size_t contacts)

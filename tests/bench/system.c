@@ -3,8 +3,9 @@
  *   system [--full] [CONTACTS [SECONDS]]     greatest number of contacts (10000; --full: 100000),
  *                                            limit for one solve (3; --full: 20)
  *
- * Piles of spheres that fall apart, heaps of spheres that stand, walls of bricks and towers of boxes
- * from a cold start to an invariant residual of 1e-8 by the automatic choice with SuiteSparse, in
+ * Spheres poured into a box while they fall and once they lie (pour, pile), heaps of spheres that
+ * stand, walls of bricks, towers of boxes, and pyramids of spheres that fall apart (rubble), from a
+ * cold start to an invariant residual of 1e-8 by the automatic choice with SuiteSparse, in
  * the caller's thread; the time is that of tribo_system_solve alone by the clock on the wall, the
  * least of several. Errors are those of the certificate, which the tests compare with quad
  * precision. A scene that reaches the limit grows no further. Exponents are fitted to log time over
@@ -19,15 +20,17 @@
 #include <string.h>
 #include <time.h>
 
+#include "../support/poured.h"
 #include "../support/problems.h"
 #include "../support/systems.h"
 #include "full.h"
+#include "threads.h"
 
-enum { SCENES = 4, MOST_ROWS = 64 };
+enum { SCENES = 6, MOST_ROWS = 64 };
 
 static const double tolerance = 1e-8;
 static double budget = 0.05; /* seconds of repetition for each figure */
-static const char *const scene_names[SCENES] = {"pile", "heap", "wall", "tower"};
+static const char *const scene_names[SCENES] = {"pour", "pile", "heap", "wall", "tower", "rubble"};
 
 typedef struct row {
     const char *scene;
@@ -116,15 +119,19 @@ static void solve(const systems_scene *scene, const tribo_system_options *given,
 static void make_scene(size_t kind, double contacts, systems_scene *out)
 {
     if (kind == 0) {
-        systems_pile(out, (size_t)(cbrt(contacts / 2.0) + 1.0), 1);
+        poured(out, (size_t)(contacts / 2.2 + 0.5), POURED_FALLING, 1);
     } else if (kind == 1) {
-        systems_heap(out, (size_t)(cbrt(0.75 * contacts) + 0.5), 1.0, 1);
+        poured(out, (size_t)(contacts / 2.6 + 0.5), POURED_LYING, 1);
     } else if (kind == 2) {
+        systems_heap(out, (size_t)(cbrt(0.75 * contacts) + 0.5), 1.0, 1);
+    } else if (kind == 3) {
         /* two columns to a row, an even number of rows */
         const size_t half = (size_t)(sqrt(contacts / 8.0) / 2.0 + 0.5);
         systems_wall(out, half > 1 ? 2 * half : 2, half > 1 ? 2 * half : 2, 1);
-    } else {
+    } else if (kind == 4) {
         systems_tower(out, (size_t)(contacts / 4.0 + 0.5), SYSTEMS_TOP, 1.0, 0.5);
+    } else {
+        systems_rubble(out, (size_t)(cbrt(contacts / 2.0) + 1.0), 1);
     }
 }
 
@@ -308,6 +315,7 @@ static void write_table(const char *program)
 
 int main(int count, char **arguments)
 {
+    limit_threads(arguments);
     const int full = take_full(&count, arguments);
     const double most = count > 1 ? strtod(arguments[1], NULL) : full ? 1e5 : 1e4;
     const double limit = count > 2 ? strtod(arguments[2], NULL) : full ? 20.0 : 3.0;

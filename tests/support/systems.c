@@ -459,7 +459,7 @@ static void touch(systems_scene *scene, uint32_t a, uint32_t b, double mu)
     systems_add_contact(scene, a, b, point, normal, mu);
 }
 
-void systems_pile(systems_scene *out, size_t layers, uint64_t seed)
+void systems_rubble(systems_scene *out, size_t layers, uint64_t seed)
 {
     problem_random random;
     const double rise = sqrt(0.5);

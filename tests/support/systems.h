@@ -92,8 +92,8 @@ void systems_wall(systems_scene *out, size_t columns, size_t rows, uint64_t seed
 
 /** Four-sided pyramid of unit spheres, `layers` high, each resting on four and touching four; some
  *  2 layers^3 contacts. Masses and mu are drawn, one sphere in 20 is missing, and velocities have
- *  some noise. */
-void systems_pile(systems_scene *out, size_t layers, uint64_t seed);
+ *  some noise. No real pile has so many contacts (see poured.h for some that do not). */
+void systems_rubble(systems_scene *out, size_t layers, uint64_t seed);
 
 /** The same pyramid without gaps, noise and contacts within a layer, with one mu: from about 0.9 on
  *  it stands, whatever the masses (drawn within a decade). Some 4/3 layers^3 contacts. */
