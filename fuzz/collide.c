@@ -515,16 +515,11 @@ static void scale_pair(const pair *from, int exponent, pair *to)
     }
 }
 
-/* Whether no product with a coordinate underflows, before scaling or after: that has other bits. */
 static int is_scalable(const pair *p)
 {
-    int scalable = 1;
-    for (int i = 0; i < 3; i++) {
-        const double a = fabs(p->pose_a.position[i]);
-        const double b = fabs(p->pose_b.position[i]);
-        scalable = scalable && (a == 0.0 || a > 1e-200) && (b == 0.0 || b > 1e-200);
-    }
-    return scalable;
+    return shapes_scalable(p->pose_a.position, 3) && shapes_scalable(p->pose_b.position, 3) &&
+           shapes_scalable(p->a.points, 3 * (size_t)p->a.point_count) &&
+           shapes_scalable(p->b.points, 3 * (size_t)p->b.point_count);
 }
 
 /* All lengths times a power of two: the answer too, to the bit. */

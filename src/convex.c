@@ -777,14 +777,25 @@ typedef struct rim {
     int outer;
 } rim;
 
-static void set_facet(polytope *x, int at, int a, int b, int c)
+/* The corner that is nearest to the origin: of long needles the others say little of the plane. */
+static int nearest_of(const polytope *x, int a, int b, int c)
 {
-    facet *f = &x->f[at];
+    const double aa = tribo_vec3_dot(x->p[a], x->p[a]);
+    const double bb = tribo_vec3_dot(x->p[b], x->p[b]);
+    const double cc = tribo_vec3_dot(x->p[c], x->p[c]);
+    return aa <= bb && aa <= cc ? a : bb <= cc ? b : c;
+}
+
+static void set_facet(polytope *x, int which, int a, int b, int c)
+{
+    facet *f = &x->f[which];
     double ab[3];
     double ac[3];
     double n[3];
-    tribo_vec3_subtract(x->p[b], x->p[a], ab);
-    tribo_vec3_subtract(x->p[c], x->p[a], ac);
+    const int at = nearest_of(x, a, b, c);
+    const double *p = x->p[at];
+    tribo_vec3_subtract(x->p[at == a ? b : at == b ? c : a], p, ab);
+    tribo_vec3_subtract(x->p[at == a ? c : at == b ? a : b], p, ac);
     tribo_vec3_cross(ab, ac, n);
     const double longest = greater(tribo_vec3_dot(ab, ab), tribo_vec3_dot(ac, ac));
     const double square = tribo_vec3_dot(n, n);
@@ -797,7 +808,7 @@ static void set_facet(polytope *x, int at, int a, int b, int c)
     f->d = HUGE_VAL;
     if (f->state == FACET_KEPT) {
         tribo_vec3_scale(1.0 / sqrt(square), n, f->n);
-        f->d = tribo_vec3_dot(f->n, x->p[a]);
+        f->d = tribo_vec3_dot(f->n, p);
     }
 }
 
@@ -1011,7 +1022,7 @@ static int first_polytope(search *s, polytope *x)
     for (int i = 0; i < 3 && whole; i++) {
         whole = grow_any(x, p[i], s->rounding);
     }
-    return whole || wide_polytope(s, x); /* of points so near rounding may make no hull */
+    return whole || wide_polytope(s, x);
 }
 
 /* ---- kinks ----------------------------------------------------------------------------------- */
@@ -1481,6 +1492,16 @@ static void settle_well(search *s)
     } while (--again > 0 && before - s->width > WORTH * absolute(before) && !s->fault && !apart(s));
 }
 
+/* Whether M may go on beyond a facet that has no normal. */
+static int has_thin(const polytope *x)
+{
+    int thin = 0;
+    for (int i = 0; i < x->facets; i++) {
+        thin = thin || x->f[i].state == FACET_THIN;
+    }
+    return thin;
+}
+
 static int nearest_facet(const polytope *x)
 {
     int best = -1;
@@ -1559,6 +1580,7 @@ static int survey(search *s)
 {
     polytope x;
     int explored = 0;
+    int again = 0; /* from a polytope of other points: near each other they may make no hull */
     int outcome = SURVEY_EXACT;
     if (!first_polytope(s, &x)) {
         return SURVEY_FAILED;
@@ -1567,7 +1589,7 @@ static int survey(search *s)
         double p[3];
         const int at = nearest_facet(&x);
         if (at < 0 || s->width - x.f[at].d <= greater(16.0 * s->rounding, 1e-10 * s->width)) {
-            return outcome;
+            return has_thin(&x) ? SURVEY_NEAR : outcome;
         }
         facet *f = &x.f[at];
         const double width = support(s, f->n, p);
@@ -1578,7 +1600,9 @@ static int survey(search *s)
                 return SURVEY_FAILED;
             }
         } else if (width - f->d > s->rounding && !grow(&x, at, p, s->rounding)) {
-            return SURVEY_FAILED;
+            if (again++ > 0 || !wide_polytope(s, &x)) {
+                return SURVEY_FAILED;
+            }
         }
     }
     return SURVEY_FAILED;

@@ -318,6 +318,15 @@ static void scale_sizes(tribo_shape *shape, int exponent)
     scale_numbers(shape->size + first, 4 - first, exponent);
 }
 
+int shapes_scalable(const double *numbers, size_t count)
+{
+    int scalable = 1;
+    for (size_t i = 0; i < count; i++) {
+        scalable = scalable && (numbers[i] == 0.0 || fabs(numbers[i]) > 1e-200);
+    }
+    return scalable;
+}
+
 int shapes_scale(const made_shape *from, int exponent, made_shape *out)
 {
     memcpy(out, from, sizeof *out);

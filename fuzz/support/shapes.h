@@ -46,6 +46,10 @@ void make_points(property_trial *t, const char *name, size_t *count, double *poi
 /** A valid shape of one of the kinds, of size 2^-10 to 2^10, rarely with aspect up to 2^13. */
 void make_shape(property_trial *t, const char *name, uint32_t kinds, made_shape *out);
 
+/** Whether no product of two of these lengths underflows, before scaling or after: that has other
+ * bits. */
+int shapes_scalable(const double *numbers, size_t count);
+
 /** The shape with all lengths times 2^exponent. 0 if a block cannot be built. */
 int shapes_scale(const made_shape *from, int exponent, made_shape *out);
 
