@@ -539,7 +539,8 @@ static uint32_t raise_rectangle(const pair_query *query, const pair_rectangles *
 {
     const uint32_t own = pair_feature(f->own, 0, 0);
     const uint32_t other = pair_feature(f->other.feature, 0, 0);
-    const double shift = (double)f->side;
+    double origin[3]; /* of the box whose face clips */
+    tribo_vec3_scale((double)f->side, query->offset, origin);
     uint32_t count = 0;
     for (uint32_t i = 0; i < x->count; i++) {
         if (is_at_level(x->origin[i])) {
@@ -550,9 +551,7 @@ static uint32_t raise_rectangle(const pair_query *query, const pair_rectangles *
         uint32_t outer;
         name_corner(c, x, i, &inner, &outer);
         place(f->frame, x->u[i], x->v[i], 0.5 * (x->h[i] + f->level), to->middle);
-        for (int k = 0; k < 3; k++) {
-            to->middle[k] += shift * query->offset[k];
-        }
+        tribo_vec3_add(to->middle, origin, to->middle);
         to->distance = x->h[i] - f->level;
         const uint32_t names[2] = {own | outer, other | inner};
         to->a = names[f->side];
@@ -1364,9 +1363,9 @@ static uint32_t sift(double margin, double reach, uint32_t count, pair_point *po
         for (uint32_t k = kept; reach > 0.0 && k-- > 0;) {
             const pair_point *q = &points[k];
             const int one = (p->a == q->a) & (p->b == q->b);
-            const int same = (absolute(p->middle[0] - q->middle[0]) <= reach) &
-                             (absolute(p->middle[1] - q->middle[1]) <= reach) &
-                             (absolute(p->middle[2] - q->middle[2]) <= reach);
+            const double across = greater(absolute(p->middle[0] - q->middle[0]),
+                                          absolute(p->middle[1] - q->middle[1]));
+            const int same = greater(across, absolute(p->middle[2] - q->middle[2])) <= reach;
             known = one | same ? k : known;
         }
         if (known == kept) {

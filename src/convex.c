@@ -192,50 +192,47 @@ static void take_arms(const tribo_shape *shape, const double r[9], const double 
     out->vertices = vertices;
 }
 
-/* Greatest of pairs `half` apart. */
-TRIBO_ALWAYS_INLINE void halve(const double *restrict from, uint32_t half, double *restrict to)
+/* Where the greatest of four numbers is, the first of them if there are more. */
+TRIBO_ALWAYS_INLINE uint32_t first_of_four(const double *from, uint32_t stride, double most)
 {
-    for (uint32_t i = 0; i < half; i++) {
-        to[i] = from[i] > from[half + i] ? from[i] : from[half + i];
-    }
-}
-
-/* Where the greatest of all is, known where it is in its half: it is one of a pair. */
-TRIBO_ALWAYS_INLINE uint32_t step_back(const double *from, uint32_t half, double most, uint32_t at)
-{
-    return at + (from[at] >= most ? 0 : half);
+    const uint32_t a = from[0] < most ? 1 : 0;
+    const uint32_t b = from[stride] < most ? 1 : 0;
+    const uint32_t c = from[2 * stride] < most ? 1 : 0;
+    return stride * (a + (a & b) + (a & b & c));
 }
 
 /* A knockout without a branch and without a chain from vertex to vertex: heights first, then the
- * greater ones of pairs, and back to where the greatest has come from. `half` is 8 or 16. */
-TRIBO_ALWAYS_INLINE uint32_t knock_out(const pair_arms *from, uint32_t half, const double d[3])
+ * greatest of those that are 16, 8 and 4 apart, and back to where the greatest of all has come
+ * from. `count` is 16 or 32. */
+TRIBO_ALWAYS_INLINE uint32_t knock_out(const pair_arms *from, uint32_t count, const double d[3])
 {
     double h[PAIR_ARMS];
     double of_16[16];
-    double of_8[8];
     double of_4[4];
     double of_2[2];
-    for (uint32_t i = 0; i < 2 * half; i++) {
+    for (uint32_t i = 0; i < count; i++) {
         h[i] = d[0] * from->x[i] + d[1] * from->y[i] + d[2] * from->z[i];
     }
-    if (half == 16) {
-        halve(h, 16, of_16);
+    for (uint32_t i = 0; i < 16; i++) {
+        of_16[i] = count == 16 || h[i] > h[count - 16 + i] ? h[i] : h[count - 16 + i];
     }
-    const double *first = half == 16 ? of_16 : h;
-    halve(first, 8, of_8);
-    halve(of_8, 4, of_4);
-    halve(of_4, 2, of_2);
+    for (uint32_t i = 0; i < 4; i++) {
+        const double low = of_16[i] > of_16[4 + i] ? of_16[i] : of_16[4 + i];
+        const double high = of_16[8 + i] > of_16[12 + i] ? of_16[8 + i] : of_16[12 + i];
+        of_4[i] = low > high ? low : high;
+    }
+    for (uint32_t i = 0; i < 2; i++) {
+        of_2[i] = of_4[i] > of_4[2 + i] ? of_4[i] : of_4[2 + i];
+    }
     const double most = greater(of_2[0], of_2[1]);
-    uint32_t at = step_back(of_2, 1, most, 0);
-    at = step_back(of_4, 2, most, at);
-    at = step_back(of_8, 4, most, at);
-    at = step_back(first, 8, most, at);
-    return half == 16 ? step_back(h, 16, most, at) : at;
+    const uint32_t in_4 = first_of_four(of_4, 1, most);
+    const uint32_t in_16 = in_4 + first_of_four(of_16 + in_4, 4, most);
+    return in_16 + 16 * (h[in_16] < most ? 1u : 0u);
 }
 
 static uint32_t farthest_arm(const pair_arms *from, const double d[3])
 {
-    return from->count == PAIR_ARMS ? knock_out(from, 16, d) : knock_out(from, 8, d);
+    return from->count == PAIR_ARMS ? knock_out(from, 32, d) : knock_out(from, 16, d);
 }
 
 uint32_t convex_farthest(const pair_arms *arms, const double direction[3])
