@@ -39,8 +39,9 @@ struct newton {
     double *root;    /* bodies: (unit M)^-1/2 of inertia, lower triangle, 6 per body */
     uint32_t *place; /* bodies: where the blocks aa, ab, ba, bb start; assembled: first row */
     uint32_t *starts, *neighbours; /* bodies: block rows */
-    uint32_t *rank; /* bodies: their block rows in the matrix, neighbours near each other if it is
-                        dense */
+    uint32_t
+        *rank; /* where the matrix is dense, neighbours are near each other in it. Bodies: their
+                       block rows; assembled: contacts in the order of their rows */
 
     uint32_t *row_starts, *columns; /* the matrix: rows of scalars, or dense */
     double *values, *x, *dense;

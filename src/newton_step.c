@@ -47,6 +47,7 @@ void step_take(newton *n, arena *a, uint32_t count, uint32_t bodies, size_t link
         take_matrix(n, a, 6 * bodies, 36 * (links + bodies), run);
         take_lower(n, a, 6 * bodies, 18 * links + 21 * (size_t)bodies);
     } else {
+        n->rank = arena_take(a, count, sizeof(uint32_t));
         take_matrix(n, a, 3 * count, 9 * links, run);
     }
 }
@@ -136,21 +137,46 @@ static uint32_t rows_of(const newton *n, size_t c)
     return n->mode[c] == OPEN ? 0u : coefficient(n, c) > 0.0 ? 3u : 1u;
 }
 
-/* Number the unknowns; what is known of the step goes to `step`, and -F - P E W step to x. Impulses
- * that shall vanish do so at once, not by the rounding of F / g at a time: they would become subnormal.
- */
-static uint32_t number_rows(newton *n)
+/* Number the unknowns, contact after contact; `ranked`: in the order of n->rank. Returns how many. */
+static uint32_t number_rows(newton *n, int ranked)
 {
-    const system_problem *p = n->problem;
     uint32_t rows = 0;
 
-    for (size_t c = 0; c < p->count; c++) {
+    for (uint32_t i = 0; i < n->problem->count; i++) {
+        const uint32_t c = ranked ? n->rank[i] : i;
         n->place[c] = rows;
         rows += rows_of(n, c);
+    }
+    return rows;
+}
+
+/* Greatest distance of an entry from the diagonal, or a little more. */
+static uint32_t band_of_blocks(const newton *n)
+{
+    const system_problem *p = n->problem;
+    uint32_t apart = 0;
+
+    for (size_t c = 0; c < p->count; c++) {
+        for (size_t k = p->row_starts[c]; k < p->row_starts[c + 1] && rows_of(n, c) > 0; k++) {
+            const size_t d = p->columns[k];
+            const uint32_t from = n->place[c] < n->place[d] ? n->place[c] : n->place[d];
+            const uint32_t far = n->place[c] + n->place[d] - 2 * from;
+            apart = rows_of(n, d) > 0 && far > apart ? far : apart;
+        }
+    }
+    return apart + 2;
+}
+
+/* What is known of the step goes to `step`, and -F - P E W step to x. Impulses that shall vanish do
+ * so at once, not by the rounding of F / g at a time: they would become subnormal. */
+static void fill_right(newton *n)
+{
+    const system_problem *p = n->problem;
+
+    for (size_t c = 0; c < p->count; c++) {
         for (uint32_t k = 0; k < 3; k++)
             n->step[3 * c + k] = k < rows_of(n, c) ? 0.0 : -n->r[3 * c + k];
     }
-    n->place[p->count] = rows;
     certificate_velocity(p, n->step, n->dv, n->moved);
     for (size_t c = 0; c < p->count; c++) {
         double known[3];
@@ -161,7 +187,6 @@ static uint32_t number_rows(newton *n)
         for (uint32_t k = 0; k < rows_of(n, c); k++)
             n->x[n->place[c] + k] = -n->right[3 * c + k] - bent[k];
     }
-    return rows;
 }
 
 /* Entry (i, j) of own (c = d) + P E W_cd. */
@@ -214,7 +239,7 @@ static void fill_sparse_blocks(newton *n)
     n->row_starts[row] = at;
 }
 
-/* Solve for the rows that number_rows left in x. */
+/* Solve for the rows that fill_right left in x. */
 static int solve_blocks(newton *n, uint32_t rows, newton_run *run)
 {
     if (!substitute(n, rows, run))
@@ -228,13 +253,16 @@ static int solve_blocks(newton *n, uint32_t rows, newton_run *run)
 
 static int step_on_blocks(newton *n, newton_run *run)
 {
-    const uint32_t rows = number_rows(n);
+    const uint32_t rows = number_rows(n, 1);
 
-    choose_shape(n, rows, rows, run);
-    if (n->is_dense != 0)
+    choose_shape(n, rows, band_of_blocks(n), run);
+    if (n->is_dense != 0) {
         fill_dense_blocks(n);
-    else
+    } else {
+        number_rows(n, 0);
         fill_sparse_blocks(n);
+    }
+    fill_right(n);
     return factor(n, rows, run) && solve_blocks(n, rows, run);
 }
 
@@ -711,6 +739,32 @@ static double order_bodies(newton *n, const newton_run *run)
     return operations;
 }
 
+/* The same for contacts and the blocks of W, where all are closed. Nodes that no level holds, as W
+ * may be one-sided, come last. */
+static double order_contacts(newton *n, const newton_run *run)
+{
+    const system_problem *p = n->problem;
+    uint32_t *order = n->place;
+    const uint32_t *mark = n->place + p->count;
+    uint32_t reached = 0;
+
+    const double operations = sparse_operations(p->count, p->row_starts, p->columns, 3.0, n->place);
+    for (uint32_t c = 0; c < p->count; c++)
+        reached += mark[c];
+    for (uint32_t c = 0; c < p->count; c++) {
+        if (mark[c] == 0)
+            order[reached++] = c;
+    }
+    for (uint32_t i = 0; i < p->count; i++)
+        n->rank[i] = order[i];
+    for (uint32_t i = 0; i < p->count; i++)
+        n->place[n->rank[i]] = 3 * i;
+    for (uint32_t c = 0; c < p->count; c++)
+        n->mode[c] = STICK;
+    choose_shape(n, 3 * p->count, band_of_blocks(n), run);
+    return n->is_dense != 0 ? dense_operations(&n->shape) : CLIQUE_SHARE * operations;
+}
+
 static void prepare_bodies(newton *n, const newton_run *run)
 {
     const system_problem *p = n->problem;
@@ -737,6 +791,8 @@ void step_prepare(newton *n, const newton_run *run)
     n->kernels = dense_table_of(run->isa);
     if (n->problem->bodies != 0)
         prepare_bodies(n, run);
+    else
+        order_contacts(n, run);
 }
 
 int step_solve(newton *n, newton_run *run)
@@ -748,8 +804,10 @@ int step_again(newton *n, newton_run *run)
 {
     const system_problem *p = n->problem;
 
-    if (p->bodies == 0)
-        return solve_blocks(n, number_rows(n), run);
+    if (p->bodies == 0) {
+        fill_right(n);
+        return solve_blocks(n, n->shape.n, run);
+    }
     copy(3 * (size_t)p->count, n->right, n->step);
     for (size_t i = 0; i < 6 * (size_t)p->bodies; i++)
         n->x[i] = 0.0;
@@ -771,22 +829,12 @@ static uint32_t count_torques(const system_problem *p)
 
 double newton_price(newton *n, const system_problem *problem, const newton_run *run)
 {
-    const uint32_t rows = unknowns(problem->count, problem->bodies);
     double sweep = SWEEP_OPERATIONS * (double)problem->count;
-    double operations;
 
     n->problem = problem;
     if (problem->bodies == 0)
         sweep += BLOCK_OPERATIONS * (double)problem->row_starts[problem->count];
-    if (problem->bodies != 0) {
-        operations = order_bodies(n, run);
-    } else if (rows <= run->dense_limit) {
-        const dense_shape shape = dense_shape_of(rows, rows);
-        operations = dense_operations(&shape);
-    } else {
-        operations = CLIQUE_SHARE * sparse_operations(problem->count, problem->row_starts,
-                                                      problem->columns, 3.0, n->place);
-    }
+    const double operations = problem->bodies != 0 ? order_bodies(n, run) : order_contacts(n, run);
     const double price = STEP_SWEEPS + operations / sweep;
     return price * (sweep / (sweep + TORQUE_OPERATIONS * (double)count_torques(problem)));
 }

@@ -404,6 +404,38 @@ static void test_narrow_matrices_need_no_library(void **state)
     }
 }
 
+/* The same by W alone, contacts in any order. */
+static void test_narrow_blocks_need_no_library(void **state)
+{
+    static const tribo_linear none = {sizeof none, 0, NULL, refuse_matrix, refuse_solve};
+    tribo_system_options options = defaults();
+    tribo_system_info info = {.struct_size = sizeof info};
+    systems_scene tower;
+    systems_blocks w;
+    size_t size = 0;
+    (void)state;
+    options.linear = &none;
+    options.solver = TRIBO_SOLVER_NEWTON;
+    systems_tower(&tower, 20, SYSTEMS_ALTERNATE, 10.0, 0.5);
+    systems_permute(&tower, 3, NULL);
+    systems_assemble(&tower, &w);
+    assert_int_equal(
+        tribo_system_assembled_workspace_size(w.count, w.row_starts, w.columns, &options, &size),
+        TRIBO_OK);
+    void *workspace = allocate(size);
+    double *impulses = allocate(3 * w.count * sizeof(double));
+    assert_int_equal(tribo_system_solve_assembled(w.count, w.row_starts, w.columns, w.blocks, w.q,
+                                                  w.mu, &options, workspace, size, impulses, NULL,
+                                                  &info),
+                     TRIBO_OK);
+    assert_int_equal(info.stop, TRIBO_STOP_TOLERANCE);
+    assert_true(info.factorizations > 0);
+    free(workspace);
+    free(impulses);
+    systems_free_blocks(&w);
+    systems_free(&tower);
+}
+
 static void test_sliding_towers(void **state)
 {
     static const struct {
@@ -668,6 +700,7 @@ int main(void)
         cmocka_unit_test(test_resting_towers_start_warm),
         cmocka_unit_test(test_gauss_seidel_has_its_exact_rate),
         cmocka_unit_test(test_narrow_matrices_need_no_library),
+        cmocka_unit_test(test_narrow_blocks_need_no_library),
         cmocka_unit_test(test_sliding_towers),
         cmocka_unit_test(test_standing_heaps),
         cmocka_unit_test(test_heaps_between_smooth_walls),
