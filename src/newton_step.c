@@ -4,7 +4,7 @@
 
 /* A step without its elimination takes as long as so many sweeps; a contact of a sweep as long as so
  * many operations of elimination, which is some times faster on dense matrices. */
-#define STEP_SWEEPS 32.0
+#define STEP_SWEEPS 16.0
 #define SWEEP_OPERATIONS 150.0
 #define BLOCK_OPERATIONS 30.0     /* of a block of W that is summed */
 #define TORQUE_OPERATIONS 18000.0 /* of a contact with a torque, which no lanes solve */
