@@ -839,10 +839,9 @@ static void finish_faces(const boxes *x, const pair_axis *axis, double size, uin
     for (uint32_t i = 0; i < count; i++) {
         least = lesser(least, points[i].distance);
     }
-    if (axis->distance > x->rounding && least > axis->distance + 4.0 * x->rounding) {
+    if (count == 0 ||
+        (axis->distance > x->rounding && least > axis->distance + 4.0 * x->rounding)) {
         nearest_edges(x, axis, out);
-    } else if (count == 0) {
-        clip_nothing(out);
     } else {
         clip_finish(x->query, axis->normal, size, count, points, out);
     }
