@@ -93,8 +93,8 @@ endif
 HEADERS := $(wildcard include/tribo/*.h)
 CPP_HEADER := bindings/cpp/include/tribo/tribo.hpp
 # What libtribo adds to libtribo_core: shapes and their contacts, sparse factorisations.
-FULL := broad clip closed collide convex hull mesh scene scene_contact scene_event scene_rest \
-        scene_save scene_solve scene_step scene_weight shape sparse
+FULL := broad clip closed collide convex dissect hull mesh scene scene_contact scene_event \
+        scene_rest scene_save scene_solve scene_step scene_weight shape sparse
 FULL_SOURCES := $(FULL:%=src/%.c)
 FULL_LIBS := -lccd -lqhull_r -lcholmod -lklu -lumfpack -lsuitesparseconfig
 # Compiled once per instruction set.

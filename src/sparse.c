@@ -1,6 +1,7 @@
 #include <tribo/sparse.h>
 
 #include "bits.h"
+#include "dissect.h"
 
 #include <float.h>
 #include <limits.h>
@@ -14,6 +15,10 @@
 /* Operations for each number in the factors above which dense blocks in them pay: that of CHOLMOD,
  * and where UMFPACK overtakes KLU on the matrices of tests/bench/linear.c. */
 #define BLOCKS_PAY 40.0
+
+/* The same above which dissection may take less than AMD: in space, from about a thousand bodies
+ * on. */
+#define DISSECTION_PAYS 300.0
 
 /* Whose factors are there. */
 enum { NOBODY, EMPTY, CHOLMOD, KLU, UMFPACK };
@@ -244,10 +249,53 @@ static cholmod_sparse cholmod_view(tribo_sparse *s, const double *values)
     return view;
 }
 
+/* Null if there is no memory. */
+static cholmod_factor *analyse_dissected(tribo_sparse *s, cholmod_sparse *view)
+{
+    const size_t n = (size_t)s->n;
+    const size_t room = dissect_room(s->n, s->row_starts[s->n]);
+    cholmod_factor *found = NULL;
+    int *memory = s->allocator.allocate(s->allocator.user, (room + 2 * n) * sizeof *memory);
+    if (!memory) {
+        return NULL;
+    }
+    int *sets = memory + room;
+    int *order = sets + n;
+    dissect(s->n, s->row_starts, s->columns, memory, sets);
+    if (cholmod_camd(view, NULL, 0, sets, order, &s->cholmod)) {
+        s->cholmod.method[0].ordering = CHOLMOD_GIVEN;
+        found = cholmod_analyze_p(view, order, NULL, 0, &s->cholmod);
+        s->cholmod.method[0].ordering = CHOLMOD_AMD;
+    }
+    release(s, memory);
+    return found;
+}
+
+/* AMD's order is there: take that of dissection if it has fewer operations. */
+static void try_dissection(tribo_sparse *s, cholmod_sparse *view)
+{
+    const double operations = s->cholmod.fl;
+    const double numbers = s->cholmod.lnz;
+    cholmod_factor *found = analyse_dissected(s, view);
+    if (found && s->cholmod.fl < operations) {
+        cholmod_free_factor(&s->cholesky, &s->cholmod);
+        s->cholesky = found;
+        return;
+    }
+    cholmod_free_factor(&found, &s->cholmod);
+    s->cholmod.fl = operations;
+    s->cholmod.lnz = numbers;
+    s->cholmod.status = CHOLMOD_OK;
+}
+
 static tribo_status analyse_symmetric(tribo_sparse *s)
 {
     cholmod_sparse view = cholmod_view(s, NULL);
     s->cholesky = cholmod_analyze(&view, &s->cholmod);
+    if (s->cholesky && s->cholmod.fl > DISSECTION_PAYS * s->cholmod.lnz &&
+        s->row_starts[s->n] < INT_MAX / 2) {
+        try_dissection(s, &view);
+    }
     s->analysis = s->cholesky ? CHOLMOD : NOBODY;
     return s->cholesky ? TRIBO_OK : TRIBO_ERROR_MEMORY;
 }
