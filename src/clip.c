@@ -241,16 +241,31 @@ static uint32_t origin_of(uint32_t side, uint32_t cut)
     return side << 8 | cut;
 }
 
+TRIBO_ALWAYS_INLINE void take_vertex(const polygon *p, uint32_t i, outline *out)
+{
+    out->side[i] = i;
+    out->origin[i] = origin_of(i, NO_SIDE);
+    out->u[i] = p->u[i];
+    out->v[i] = p->v[i];
+    out->h[i] = p->h[i];
+}
+
 static void take_outline(const polygon *p, outline *out)
 {
     out->count = p->count;
     for (uint32_t i = 0; i < p->count; i++) {
-        out->side[i] = i;
-        out->origin[i] = origin_of(i, NO_SIDE);
-        out->u[i] = p->u[i];
-        out->v[i] = p->v[i];
-        out->h[i] = p->h[i];
+        take_vertex(p, i, out);
     }
+}
+
+/* The same of four corners, without a loop, which compilers would turn into wider copies. */
+static void take_quadrilateral(const polygon *p, outline *out)
+{
+    out->count = 4;
+    take_vertex(p, 0, out);
+    take_vertex(p, 1, out);
+    take_vertex(p, 2, out);
+    take_vertex(p, 3, out);
 }
 
 /* The features of a corner on the clipped polygon and on the one that clips, without the face. */
@@ -586,7 +601,7 @@ uint32_t clip_rectangles(const pair_query *query, const pair_rectangles *f,
     /* first the height: most of what would be clipped hangs on corners too far from the face */
     const double top = f->level + (query->margin + ABOVE * lengths);
     uint32_t at = 0;
-    take_outline(other, work);
+    take_quadrilateral(other, work);
     at = cut(work, at, ALONG_H, 1.0, top, 0.0, LEVEL_SIDE);
     at = cut(work, at, ALONG_V, 1.0, f->half[1], slack, 0);
     at = cut(work, at, ALONG_U, -1.0, f->half[0], slack, 1);
