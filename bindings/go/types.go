@@ -411,7 +411,7 @@ type Manifold struct {
 	Method uint32
 	// unit, world axes, from B to A
 	Normal [3]float64
-	// those from `count` on are not written
+	// those from `count` on mean nothing
 	Points [4]Point
 }
 

@@ -23,8 +23,9 @@ typedef struct newton_run {
 
     uint64_t steps;
     uint64_t factorizations;
-    uint32_t halted;     /* what `halt` returned */
-    double growth;       /* certificate_growth of the last impulses, not of the best */
+    uint32_t halted; /* what `halt` returned */
+    double growth;   /* certificate_growth of the last impulses, not of the best; where they miss
+                            the goal */
     tribo_status status; /* of `linear`; else TRIBO_OK */
 } newton_run;
 
@@ -39,9 +40,10 @@ newton *newton_take(arena *a, uint32_t count, uint32_t bodies, uint32_t torques,
 /* About how many sweeps take as long as a step on this problem. */
 double newton_price(newton *n, const system_problem *problem, const newton_run *run);
 
-/* Start from r; `problem` and `wanted` must last until the last newton_continue. */
-void newton_start(newton *n, const system_problem *problem, const goal *wanted,
-                  const newton_run *run, const double *r);
+/* Start from r; `problem` and `wanted` must last until the last newton_continue. Returns the distance
+ * of r from the goal. */
+double newton_start(newton *n, const system_problem *problem, const goal *wanted,
+                    const newton_run *run, const double *r);
 
 /* Go on for some `steps` until the goal is met. r receives the best impulses since the start, in
  * the cone; returns their distance from the goal. */

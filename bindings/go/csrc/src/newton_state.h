@@ -3,6 +3,7 @@
 #ifndef TRIBO_NEWTON_STATE_H
 #define TRIBO_NEWTON_STATE_H
 
+#include "dense.h"
 #include "natural.h"
 #include "newton.h"
 
@@ -33,14 +34,22 @@ struct newton {
     double *slope, *own; /* P E and A = g (1 - P) + alpha P E: 9 per contact */
     uint8_t *mode, *next_mode;
 
-    double *half;    /* bodies: J (unit M)^-1/2, 36 per contact: unit W = half half^T */
+    double *half;    /* bodies: J (unit M)^-1/2, 3 x 12 per contact, those of a before those of b:
+                        unit W = half half^T */
     double *root;    /* bodies: (unit M)^-1/2 of inertia, lower triangle, 6 per body */
     uint32_t *place; /* bodies: where the blocks aa, ab, ba, bb start; assembled: first row */
     uint32_t *starts, *neighbours; /* bodies: block rows */
+    uint32_t
+        *rank; /* where the matrix is dense, neighbours are near each other in it. Bodies: their
+                       block rows; assembled: contacts in the order of their rows */
 
     uint32_t *row_starts, *columns; /* the matrix: rows of scalars, or dense */
     double *values, *x, *dense;
     uint32_t *pivots;
+    size_t room;       /* numbers in `dense` */
+    dense_shape shape; /* of the matrix, where it is dense */
+    uint32_t is_dense;
+    const dense_table *kernels;             /* of the instruction set */
     uint32_t *lower_starts, *lower_columns; /* bodies: its lower triangle, if it is symmetric */
     double *lower_values;
     uint32_t symmetric_w; /* 1: W is symmetric but for rounding */

@@ -7,6 +7,17 @@
 
 #include "bits.h"
 
+enum { PAIR_ARMS = 32 };
+
+/* Vertices of a small hull from its core, world axes, scaled by a power of two. */
+typedef struct pair_arms {
+    uint32_t count;    /* half of PAIR_ARMS or all: the first again and again; 0: no small hull */
+    uint32_t vertices; /* so many are of the hull */
+    double x[PAIR_ARMS];
+    double y[PAIR_ARMS];
+    double z[PAIR_ARMS];
+} pair_arms;
+
 /* World axes, origin at the position of A: far from the world's origin nothing is lost. */
 typedef struct pair_query {
     const tribo_shape *a;
@@ -15,10 +26,10 @@ typedef struct pair_query {
     double rb[9];     /* rotation of B */
     double offset[3]; /* position of B minus position of A */
     double margin;
+    pair_arms *arms; /* of A and B, once convex_axis has been asked; null: not wanted */
     uint32_t max_points;
-    uint32_t turned;  /* A here is the caller's B: manifolds are written the other way round */
-    uint32_t upright; /* B's rotation is none */
-    uint32_t safe;    /* boxes or half-spaces of usual size: no number of a closed form overflows */
+    uint32_t turned; /* A here is the caller's B: manifolds are written the other way round */
+    uint32_t safe;   /* boxes or half-spaces of usual size: no number of a closed form overflows */
 } pair_query;
 
 /* Where two convex shapes are nearest, or deepest. */
@@ -104,7 +115,7 @@ TRIBO_ALWAYS_INLINE uint64_t pair_id(int turned, uint32_t a, uint32_t b)
 }
 
 /* One number after the other: what was stored so can not be loaded at once without a stall.
- * `turned` is a constant wherever speed matters. */
+ * Which arm is whose is chosen without a branch. */
 TRIBO_ALWAYS_INLINE void pair_write_as(int turned, const double offset[3], const double middle[3],
                                        double distance, uint64_t id, tribo_point *to)
 {
@@ -121,19 +132,15 @@ TRIBO_ALWAYS_INLINE void pair_write_as(int turned, const double offset[3], const
 TRIBO_ALWAYS_INLINE void pair_write_point(const pair_query *query, const pair_point *from,
                                           tribo_point *to)
 {
-    if (query->turned) {
-        pair_write_as(1, query->offset, from->middle, from->distance, pair_id(1, from->a, from->b),
-                      to);
-    } else {
-        pair_write_as(0, query->offset, from->middle, from->distance, pair_id(0, from->a, from->b),
-                      to);
-    }
+    const int turned = (int)query->turned;
+    pair_write_as(turned, query->offset, from->middle, from->distance,
+                  pair_id(turned, from->a, from->b), to);
 }
 
-TRIBO_ALWAYS_INLINE void pair_write_head(const pair_query *query, const double normal[3],
-                                         uint32_t count, tribo_manifold *out)
+TRIBO_ALWAYS_INLINE void pair_write_head(uint32_t turned, const double normal[3], uint32_t count,
+                                         tribo_manifold *out)
 {
-    const double sign = query->turned ? -1.0 : 1.0;
+    const double sign = 1.0 - 2.0 * (double)turned;
     out->count = count;
     out->child_a = 0;
     out->child_b = 0;
@@ -149,12 +156,19 @@ int shape_support(const tribo_shape *shape, const double direction[3], double po
 uint32_t shape_face(const tribo_shape *shape, const double direction[3],
                     double points[3 * TRIBO_MAX_FACE], double normal[3], uint32_t *feature);
 
+/* shape.c: the face of a hull whose vertex that is farthest along the direction is known. */
+uint32_t shape_face_at(const tribo_shape *shape, uint32_t vertex, const double direction[3],
+                       double points[3 * TRIBO_MAX_FACE], double normal[3], uint32_t *feature);
+
 /* A point well inside of a judged convex shape, in its own axes, and the radii of balls around it
  * inside of and around the shape (the inner one may be a lower bound). */
 void shape_core(const tribo_shape *shape, double center[3], double *inner, double *outer);
 
 /* convex.c: axis of any two judged convex shapes through libccd. Adds what it did to info. */
 tribo_status convex_axis(const pair_query *query, pair_axis *axis, tribo_collide_info *info);
+
+/* convex.c: the arm that is farthest along a direction, world axes, of a small hull. */
+uint32_t convex_farthest(const pair_arms *arms, const double direction[3]);
 
 /* clip.c: manifold from the axis by clipping the support faces; count 0 if apart by more than the
  * margin. */
@@ -208,8 +222,5 @@ TRIBO_ALWAYS_INLINE int closed_exists(uint32_t type_a, uint32_t type_b)
 /* closed.c: its manifold. TRIBO_ERROR_SUPPORT if a user's function gave no finite point,
  * TRIBO_ERROR_RANGE if a number overflowed. */
 tribo_status closed_manifold(const pair_query *query, tribo_manifold *out);
-
-/* closed.c: manifold of a box A and a half-space B of usual size. */
-void closed_on_ground(const pair_query *query, tribo_manifold *out);
 
 #endif

@@ -695,7 +695,7 @@ pub struct tribo_manifold {
     pub method: u32,
     /// unit, world axes, from B to A
     pub normal: [f64; 3],
-    /// those from `count` on are not written
+    /// those from `count` on mean nothing
     pub points: [tribo_point; 4],
 }
 
@@ -897,7 +897,8 @@ impl Default for tribo_system_info {
 const _: () = assert!(core::mem::size_of::<tribo_system_info>() == 152);
 
 /// Factorise and solve sparse linear systems for Newton: a user's own, or tribo_sparse of
-///  libtribo. Without one, systems up to `dense_limit` unknowns are factored by dense elimination.
+///  libtribo. Without one, systems up to `dense_limit` unknowns are factored by dense elimination;
+///  so they are, and narrow matrices of more unknowns, with one.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct tribo_linear {
@@ -947,7 +948,8 @@ pub struct tribo_system_options {
     /// steps
     pub max_seconds: f64,
     /// most unknowns of a dense matrix; 0: 192. The workspace grows with
-    /// its square
+    /// its square. Narrow matrices of more unknowns (towers, chains) are
+    /// kept in the same memory, if they fit in
     pub dense_limit: u32,
     /// 0
     pub reserved: u32,

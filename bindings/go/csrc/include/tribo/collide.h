@@ -47,7 +47,7 @@ typedef struct tribo_manifold {
     uint32_t child_b;
     uint32_t method;                      /**< TRIBO_METHOD_... that found it */
     double normal[3];                     /**< unit, world axes, from B to A */
-    tribo_point points[TRIBO_MAX_POINTS]; /**< those from `count` on are not written */
+    tribo_point points[TRIBO_MAX_POINTS]; /**< those from `count` on mean nothing */
 } tribo_manifold;
 
 /** How a pair is done. */

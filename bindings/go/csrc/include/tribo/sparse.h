@@ -5,8 +5,8 @@
  *
  * Symmetric matrices go to CHOLMOD (Chen, Davis, Hager & Rajamanickam, ACM TOMS 35 (2008) 22),
  * others to KLU (Davis & Palamadai Natarajan, ACM TOMS 37 (2010) 36) or UMFPACK (Davis, ACM TOMS 30
- * (2004) 196), all ordered by AMD. The analysis of a pattern is kept as long as matrices of the
- * same pattern follow.
+ * (2004) 196), all ordered by AMD; large symmetric ones by nested dissection where that takes fewer
+ * operations. The analysis of a pattern is kept as long as matrices of the same pattern follow.
  *
  * Licences: CHOLMOD's simplicial part and KLU are under the LGPL, CHOLMOD's supernodal part and
  * UMFPACK under the GPL; a program that is linked with them is bound by these. tribo itself is not.

@@ -159,8 +159,8 @@ typedef tribo_status (*tribo_factor_function)(void *context, uint32_t n, const u
 typedef tribo_status (*tribo_solve_function)(void *context, double *x);
 
 /** Factorise and solve sparse linear systems for Newton: a user's own, or tribo_sparse of
- *  libtribo. Without one, systems up to `dense_limit` unknowns are factored by dense elimination.
- */
+ *  libtribo. Without one, systems up to `dense_limit` unknowns are factored by dense elimination;
+ *  so they are, and narrow matrices of more unknowns, with one. */
 typedef struct tribo_linear {
     uint32_t struct_size; /**< sizeof(tribo_linear) */
     uint32_t reserved;    /**< 0 */
@@ -194,7 +194,8 @@ typedef struct tribo_system_options {
     double max_seconds;      /**< 0: no limit; else > 0, and a clock. Looked at between sweeps and
                                    steps */
     uint32_t dense_limit;    /**< most unknowns of a dense matrix; 0: 192. The workspace grows with
-                                   its square */
+                                   its square. Narrow matrices of more unknowns (towers, chains) are
+                                   kept in the same memory, if they fit in */
     uint32_t reserved;       /**< 0 */
     const tribo_linear *linear;       /**< may be null */
     tribo_progress_function progress; /**< may be null */
