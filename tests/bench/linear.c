@@ -533,7 +533,8 @@ static void run_scene(scene s)
 /* Seconds of one factorisation of a random matrix, the copy of it taken off. */
 static double time_random(uint32_t isa, uint32_t n, int symmetric)
 {
-    const size_t size = n * dense_stride(n);
+    const dense_shape shape = dense_shape_of(n, n);
+    const size_t size = shape.numbers;
     double *given = allocate(size * sizeof *given);
     double *a = allocate(size * sizeof *a);
     uint32_t *pivots = allocate(n * sizeof *pivots);
@@ -543,7 +544,7 @@ static double time_random(uint32_t isa, uint32_t n, int symmetric)
     const uint32_t rounds = 1 + 40000 / (n * n);
     for (size_t i = 0; i < size; i++) {
         given[i] = problem_random_uniform(&random, -1.0, 1.0) +
-                   (symmetric && i % dense_stride(n) == i / dense_stride(n) ? n : 0.0);
+                   (symmetric && i % shape.stride == i / shape.stride ? n : 0.0);
     }
     for (double end = now() + budget; all < 0.0 || now() < end;) {
         double started = read_clock(CLOCK_THREAD_CPUTIME_ID);
@@ -554,7 +555,7 @@ static double time_random(uint32_t isa, uint32_t n, int symmetric)
         started = read_clock(CLOCK_THREAD_CPUTIME_ID);
         for (uint32_t k = 0; k < rounds; k++) {
             memcpy(a, given, size * sizeof *a);
-            demand(symmetric ? dense_cholesky(isa, n, a) : dense_lu(isa, n, a, pivots),
+            demand(symmetric ? dense_cholesky(isa, &shape, a) : dense_lu(isa, &shape, a, pivots),
                    "a random matrix is refused");
         }
         keep_least(read_clock(CLOCK_THREAD_CPUTIME_ID) - started, &all);
