@@ -245,21 +245,27 @@ test("saved states keep their shapes, and go on to the bit", () => {
   assert.ok(ends[0].equals(ends[1]) && !ends[0].equals(saved));
 });
 
-function tower(height) {
+// Boxes side by side on the ground: in the plane, so that no order of them makes their matrix narrow.
+function field(side) {
   const { mass, inertia } = tribo.box(0.5, 0.5, 0.5).mass(1);
-  const bodies = Array.from({ length: height }, (_, k) =>
-    tribo.body({ mass, inertia, position: [0, 0, k + 0.5], velocity: [0, 0, -1] }));
-  const contacts = bodies.flatMap((_, k) => [0, 1, 2, 3].map((j) => {
-    const [x, y] = [j % 2 - 0.5, (j >> 1) - 0.5];
-    return { a: k, b: k > 0 ? k - 1 : tribo.WORLD, pair: { muS: 0.5, muD: 0.5, e: 0 },
-      contact: { normal: [0, 0, 1], armA: [x, y, -0.5], armB: [x, y, 0.5] } };
-  }));
+  const bodies = Array.from({ length: side * side }, (_, k) =>
+    tribo.body({ mass, inertia, position: [k % side, Math.floor(k / side), 0.5], velocity: [0, 0, -1] }));
+  const pair = { muS: 0.5, muD: 0.5, e: 0 };
+  const contacts = bodies.flatMap((_, k) => {
+    const ground = [0, 1, 2, 3].map((j) => {
+      const [x, y] = [j % 2 - 0.5, (j >> 1) - 0.5];
+      return { a: k, b: tribo.WORLD, pair, contact: { normal: [0, 0, 1], armA: [x, y, -0.5], armB: [0, 0, 0] } };
+    });
+    const beside = [[1, 0, 0], [0, 1, 0]].map((n) => ({ a: k + n[0] + side * n[1], b: k, pair,
+      contact: { normal: n, armA: n.map((x) => -x / 2), armB: n.map((x) => x / 2) } }));
+    return [...ground, ...beside.filter((_, i) => (i ? k + side < side * side : (k + 1) % side))];
+  });
   return [bodies, contacts];
 }
 
 test("systems: sparse Newton, progress, faults", () => {
   const system = new tribo.System();
-  const [bodies, contacts] = tower(50);
+  const [bodies, contacts] = field(8);
   const info = system.solve(bodies, contacts, { solver: tribo.Solver.NEWTON });
   assert.equal(info.stop, tribo.Stop.TOLERANCE);
   assert.ok(system.report().factorizations > 0, "by SuiteSparse");
