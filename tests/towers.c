@@ -609,20 +609,19 @@ static void test_rough_piles(void **state)
     }
 }
 
-/* What falls into a box: contacts that slide, part and meet. Sweeps get there. */
-static void test_poured_spheres_that_fall(void **state)
+/* Spheres poured into a box, at one moment, to 1e-8: each pile has `least` contacts. */
+static void solve_poured(size_t spheres, uint32_t moment, uint64_t seeds, size_t least)
 {
     tribo_system_options options = defaults();
-    (void)state;
     options.measure = TRIBO_MEASURE_INVARIANT;
     options.tolerance = 1e-8;
-    for (uint64_t seed = 1; seed <= 3; seed++) {
+    for (uint64_t seed = 1; seed <= seeds; seed++) {
         systems_scene pile;
         answer got;
-        poured(&pile, 400, POURED_FALLING, seed);
-        assert_true(pile.count >= 700);
+        poured(&pile, spheres, moment, seed);
+        assert_true(pile.count >= least);
         solve(&pile, &options, NULL, &got);
-        print_message("# pour of %u contacts: %u sweeps, %u steps\n", (unsigned)pile.count,
+        print_message("# poured, %u contacts: %u sweeps, %u steps\n", (unsigned)pile.count,
                       (unsigned)got.info.sweeps, (unsigned)got.info.steps);
         assert_int_equal(got.info.stop, TRIBO_STOP_TOLERANCE);
         release(&got);
@@ -630,26 +629,19 @@ static void test_poured_spheres_that_fall(void **state)
     }
 }
 
-/* Once they lie, a fifth of the contacts still slides, and no balance without slip is to be found: the
- * hardest moment of a pile. */
+/* Contacts that slide, part and meet: sweeps get there. */
+static void test_poured_spheres_that_fall(void **state)
+{
+    (void)state;
+    solve_poured(400, POURED_FALLING, 3, 700);
+}
+
+/* Once they lie, a fifth of the contacts still slides, and no balance without slip is to be found:
+ * the hardest moment of a pile. */
 static void test_poured_spheres_that_lie(void **state)
 {
-    tribo_system_options options = defaults();
     (void)state;
-    options.measure = TRIBO_MEASURE_INVARIANT;
-    options.tolerance = 1e-8;
-    for (uint64_t seed = 1; seed <= 4; seed++) {
-        systems_scene pile;
-        answer got;
-        poured(&pile, 90, POURED_LYING, seed);
-        assert_true(pile.count >= 180);
-        solve(&pile, &options, NULL, &got);
-        print_message("# pile of %u contacts: %u sweeps, %u steps\n", (unsigned)pile.count,
-                      (unsigned)got.info.sweeps, (unsigned)got.info.steps);
-        assert_int_equal(got.info.stop, TRIBO_STOP_TOLERANCE);
-        release(&got);
-        systems_free(&pile);
-    }
+    solve_poured(90, POURED_LYING, 4, 180);
 }
 
 /* The same by W alone: a heap whose matrix is given in blocks. */
