@@ -1,4 +1,4 @@
-#include "newton_state.h"
+#include "central.h"
 
 #include "resist.h"
 
@@ -21,6 +21,11 @@
 #define LEAST_SWEEPS 8
 #define MOST_SWEEPS 64
 #define SYMMETRY 1e-12
+/* From nearby: the first alpha, of the mean |W_cc|, the steps that a proximal step may take, and
+ * what it must leave of the distance at most. */
+#define LAST_ALPHA 1e-7
+#define LAST_STEPS 5
+#define LAST_REST 0.1
 #define PATIENCE 1500 /* Newton steps that bring nothing */
 /* Two proximal steps that bring nothing, where eta is as small as what rounding of impulses that
  * work against each other does to it, in units of their growth and at most. */
@@ -47,6 +52,9 @@ static void take_state(newton *n, arena *a, size_t count, uint32_t bodies, uint3
     n->own = numbers(a, 9 * count);
     n->primal = numbers(a, 3 * count);
     n->dual = numbers(a, 3 * count);
+    n->rest = numbers(a, 3 * count);
+    n->along_x = numbers(a, 3 * count);
+    n->along_y = numbers(a, 3 * count);
     n->slip = numbers(a, count);
     n->lead = torques != 0 ? numbers(a, 3 * count) : NULL;
     n->mode = arena_take(a, count, 1);
@@ -328,7 +336,7 @@ static int solve_proximal(newton *n, double enough, newton_run *run, uint32_t *s
     double past[MEMORY];
     uint32_t short_steps = 0;
 
-    for (*steps = 0; *steps < INNER_STEPS; ++*steps) {
+    for (*steps = 0; *steps < n->inner_steps; ++*steps) {
         double share;
         if (f <= enough)
             return 1;
@@ -462,6 +470,7 @@ double newton_start(newton *n, const system_problem *problem, const goal *wanted
     n->alpha = FIRST_ALPHA * n->size;
     n->fall = FAST_FALL;
     n->sweeps = LEAST_SWEEPS;
+    n->inner_steps = INNER_STEPS;
     n->won = n->renewed = run->steps;
     n->on_floor = 0;
     step_prepare(n, run);
@@ -514,6 +523,25 @@ static void advance(newton *n, newton_run *run)
     n->won = n->reached.residual < 0.9 * before ? run->steps : n->won;
     n->renewed = n->reached.residual < before ? run->steps : n->renewed;
     n->on_floor = is_on_floor(n, run);
+}
+
+double newton_finish(newton *n, newton_run *run, const double *from, double *r)
+{
+    double before = HUGE_VAL;
+
+    copy(3 * (size_t)n->problem->count, from, n->r);
+    certificate_velocity(n->problem, n->r, n->dv, n->u);
+    n->outer = newton_judge(n, n->r);
+    n->alpha = LAST_ALPHA * n->size;
+    n->fall = FAST_FALL;
+    n->inner_steps = LAST_STEPS;
+    while (n->distance > 1.0 && n->distance < LAST_REST * before && central_may_go(run)) {
+        before = n->distance;
+        advance(n, run);
+    }
+    n->inner_steps = INNER_STEPS;
+    copy(3 * (size_t)n->problem->count, n->best, r);
+    return n->reached.distance;
 }
 
 double newton_continue(newton *n, newton_run *run, uint64_t steps, double *r)

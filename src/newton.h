@@ -64,6 +64,21 @@ uint32_t interior_possible(const system_problem *problem);
 /* One round; r receives the best impulses since newton_start. Returns their distance. */
 double interior_round(newton *n, newton_run *run, double *r);
 
+/* The central path of Coulomb's law itself: x o y = t e, with the De Saxce term that of the velocity.
+ * For each t there is such a point (freeze the term: one point; the fixed point is Brouwer's), and
+ * where t is large but one, so that the path from there leads to t = 0, though it may turn back on
+ * its way. path_follow takes it in long steps, some fifteen to thirty, until they fail; path_trace
+ * in steps measured along it (Keller, in Rabinowitz (ed.), Applications of bifurcation theory, 1977,
+ * 359), which pass where t turns. Newton ends both. Call newton_start before and, unless the goal is
+ * met, after; interior_possible tells of which problems. r receives the best impulses since; they
+ * return their distance. */
+double path_follow(newton *n, newton_run *run, double *r);
+double path_trace(newton *n, newton_run *run, double *r);
+
+/* A few of Newton's steps `from` impulses nearby, as long as they bring the distance down by much. r
+ * receives the best impulses since newton_start; returns their distance. */
+double newton_finish(newton *n, newton_run *run, const double *from, double *r);
+
 /* 1 if the last many steps brought nothing. */
 uint32_t newton_stalls(const newton *n, const newton_run *run);
 

@@ -18,9 +18,10 @@ struct newton {
     uint64_t renewed;  /* step that found the best impulses so far */
     uint32_t on_floor; /* 1: eta is down at rounding, and falls no further */
     double alpha;
-    verdict reached; /* by the best impulses */
-    uint32_t sweeps; /* of the next smoothing */
-    double unit;     /* bodies: power of two near the greatest W_cc */
+    verdict reached;      /* by the best impulses */
+    uint32_t sweeps;      /* of the next smoothing */
+    uint32_t inner_steps; /* that a proximal step may take */
+    double unit;          /* bodies: power of two near the greatest W_cc */
 
     double *r, *center, *u, *f;       /* where we are: 3 per contact */
     double *next_r, *next_u, *next_f; /* where a step would lead */
@@ -28,7 +29,10 @@ struct newton {
     double *right;                    /* F, without E where a contact sticks */
     double *gain;                     /* g_c */
     double *primal, *dual;            /* interior: x and y, 3 per contact */
-    double *slip;                     /* interior: s, the De Saxce term over mu */
+    double *slip;                     /* interior: s, the De Saxce term over mu, unless ... */
+    uint32_t follows;                 /* 1: it is that of the velocity */
+    double *rest;                     /* of the equations of a step: 3 per contact */
+    double *along_x, *along_y;        /* direction of the path that is traced: 3 per contact */
     double *lead;        /* of torques, 3 per contact: what the normal impulse does to F */
     double *dv;          /* 6 per body */
     double *slope, *own; /* P E and A = g (1 - P) + alpha P E: 9 per contact */
@@ -101,5 +105,9 @@ int step_solve(newton *n, newton_run *run);
 
 /* The same for another `right`, after a step_solve whose own is 1 (bodies), with its matrix. */
 int step_again(newton *n, newton_run *run);
+
+/* Sign of the determinant of the matrix that step_solve has factored by LU; 0 where it is not known:
+ * the matrix is not dense. */
+int step_turn(const newton *n);
 
 #endif

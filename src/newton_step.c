@@ -816,6 +816,19 @@ int step_again(newton *n, newton_run *run)
     return solve_bodies(n, run);
 }
 
+int step_turn(const newton *n)
+{
+    int sign = 1;
+
+    for (uint32_t i = 0; n->is_dense != 0 && i < n->shape.n; i++) {
+        if (n->pivots[i] != i)
+            sign = -sign;
+        if (dense_entries(n)[i * n->shape.stride + i] < 0.0)
+            sign = -sign;
+    }
+    return n->is_dense != 0 ? sign : 0;
+}
+
 /* ---- price ----------------------------------------------------------------------------------- */
 
 static uint32_t count_torques(const system_problem *p)

@@ -176,6 +176,11 @@ static void note_run(solver *s)
         s->status = s->run.status;
 }
 
+static int can_go_on(solver *s)
+{
+    return s->status == TRIBO_OK && halt(s) == 0 && s->run.steps < s->run.most_steps;
+}
+
 static double run_newton(solver *s, uint64_t steps, double *r)
 {
     const double distance = newton_continue(s->newton, &s->run, steps, r);
@@ -231,6 +236,22 @@ static int stands(solver *s, const system_problem *p, const double *swept)
     return closed > 0 && 2 * on_cones <= closed && 4.0 * slip <= before;
 }
 
+/* 1 if most of the velocity at contacts is along them. Only for bodies, whose matrix is the same for
+ * Newton and the path; one of blocks holds all contacts on the path, and those that are closed for
+ * Newton. */
+static int shears(const system_problem *p)
+{
+    double along = 0.0;
+    double across = 0.0;
+
+    for (size_t c = 0; c < p->count; c++) {
+        const double *q = p->q + 3 * c;
+        across += q[0] * q[0];
+        along += q[1] * q[1] + q[2] * q[2];
+    }
+    return p->bodies != 0 && along > across;
+}
+
 static int is_zero(size_t count, const double *x)
 {
     for (size_t i = 0; i < count; i++) {
@@ -238,11 +259,6 @@ static int is_zero(size_t count, const double *x)
             return 0;
     }
     return 1;
-}
-
-static int can_go_on(solver *s)
-{
-    return s->status == TRIBO_OK && halt(s) == 0 && s->run.steps < s->run.most_steps;
 }
 
 static void note_stop(solver *s, uint32_t stop)
@@ -269,10 +285,13 @@ static anderson *leaps_on(solver *s, const system_problem *p)
     return s->anderson;
 }
 
-/* The sweeps' side of take_turns. */
+/* What take_turns goes by. */
 typedef struct turns {
     const goal *wanted;
     double price;
+    uint32_t rounds_due; /* of the interior method */
+    uint32_t path_due;
+    uint32_t path_first;
     anderson *leaps;
     double *swept; /* where the sweeps are; the best of them is in `held`, */
     verdict least; /* and judged here */
@@ -298,38 +317,71 @@ static int take_sweeps(solver *s, const system_problem *p, turns *t, double step
     return 1;
 }
 
-/* Newton, with rounds of the interior method once its first turn does not end; by the automatic
- * choice in turns with sweeps that leap, each from where it was unless the sweeps are far ahead, for
- * ever longer turns: the cost is at most about twice that of the better one. */
+/* The path of Coulomb's law, if it is due, first in long steps. r is `distance` from the goal, and
+ * the new one is returned. Newton can go on after. */
+static double take_path(solver *s, const system_problem *p, turns *t, double distance, double *r)
+{
+    if (distance <= 1.0 || t->path_due == 0 || !can_go_on(s))
+        return distance;
+    t->path_due = 0;
+    distance = path_follow(s->newton, &s->run, r);
+    note_run(s);
+    if (distance > 1.0 && can_go_on(s)) {
+        distance = path_trace(s->newton, &s->run, r);
+        note_run(s);
+    }
+    if (distance > 1.0)
+        newton_start(s->newton, p, t->wanted, &s->run, r);
+    return distance;
+}
+
+/* The same of the interior method's rounds, and Newton after them. */
+static double take_rounds(solver *s, const system_problem *p, turns *t, double distance,
+                          uint64_t steps, double *r)
+{
+    if (distance <= 1.0 || t->rounds_due == 0 || !can_go_on(s))
+        return distance;
+    t->rounds_due = 0;
+    distance = run_interior(s, p, t->wanted, r);
+    return distance > 1.0 && can_go_on(s) ? run_newton(s, steps, r) : distance;
+}
+
+/* What goes before Newton: the path where bodies slide, and where Newton is dear rounds for what
+ * stands, and sweeps that leap. Returns 1 if it gets there. */
+static int lead_in(solver *s, const system_problem *p, turns *t, double *r)
+{
+    if (s->options->solver != TRIBO_SOLVER_NEWTON && !(t->price < DEAR)) {
+        if (!is_zero(3 * (size_t)p->count, r))
+            return 0;
+        if (t->rounds_due != 0 && run_interior(s, p, t->wanted, r) <= 1.0)
+            return 1;
+        t->rounds_due = 0;
+        return can_go_on(s) && take_sweeps(s, p, t, FIRST_LEAPS, r);
+    }
+    return t->path_first != 0 && !stands(s, p, t->swept) && take_path(s, p, t, HUGE_VAL, r) <= 1.0;
+}
+
+/* Newton, and once its first turn does not end rounds of the interior method and the path, that
+ * first where bodies slide; by the automatic choice in turns with sweeps that leap, each from where
+ * it was unless the sweeps are far ahead, for ever longer turns: the cost is at most about twice
+ * that of the better one. */
 static double run_turns(solver *s, const system_problem *p, turns *t, double *r)
 {
     const uint32_t alone = s->options->solver == TRIBO_SOLVER_NEWTON;
-    const int cheap = t->price < DEAR;
-    uint32_t rounds_due =
-        interior_possible(p) != 0 && (alone != 0 || cheap != 0 || stands(s, p, t->swept));
     uint64_t turn = FIRST_TURN;
 
     const double first = newton_start(s->newton, p, t->wanted, &s->run, r);
-    if (!cheap && !alone && is_zero(3 * (size_t)p->count, r)) {
-        if (rounds_due != 0) {
-            if (run_interior(s, p, t->wanted, r) <= 1.0)
-                return 0.0;
-            rounds_due = 0;
-        }
-        if (can_go_on(s) && take_sweeps(s, p, t, FIRST_LEAPS, r))
-            return 0.0;
-    }
+    if (lead_in(s, p, t, r))
+        return 0.0;
     for (;; turn *= 2) {
         const uint64_t before = s->run.steps;
-        double distance = run_newton(s, rounds_due != 0 ? SHORT_TURN : turn, r);
-        if (rounds_due != 0 && distance > 1.0 && distance <= WELL_ON_ITS_WAY * first)
+        double distance = run_newton(s, t->rounds_due != 0 ? SHORT_TURN : turn, r);
+        if (t->rounds_due != 0 && distance > 1.0 && distance <= WELL_ON_ITS_WAY * first)
             distance = run_newton(s, SHORT_TURN, r);
-        if (distance > 1.0 && rounds_due != 0 && can_go_on(s)) {
-            distance = run_interior(s, p, t->wanted, r);
-            rounds_due = 0;
-            if (distance > 1.0 && can_go_on(s))
-                distance = run_newton(s, turn, r);
-        }
+        if (t->path_first != 0)
+            distance = take_path(s, p, t, distance, r);
+        distance = take_rounds(s, p, t, distance, turn, r);
+        distance = take_path(s, p, t, distance, r);
         if (distance <= 1.0 || !can_go_on(s) || newton_stalls(s->newton, &s->run))
             return distance;
         if (!alone && take_sweeps(s, p, t, (double)(s->run.steps - before), r))
@@ -353,6 +405,10 @@ static double take_turns(solver *s, const system_problem *p, const goal *wanted,
                .least = least,
                .sweeps = sweeps};
 
+    t.path_due = interior_possible(p);
+    t.path_first = price < DEAR && shears(p);
+    t.rounds_due = t.path_due != 0 && (s->options->solver == TRIBO_SOLVER_NEWTON || price < DEAR ||
+                                       stands(s, p, swept));
     copy(3 * (size_t)p->count, swept, s->held);
     s->info->solver = TRIBO_SOLVER_NEWTON;
     const double distance = run_turns(s, p, &t, r);

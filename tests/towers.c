@@ -378,7 +378,6 @@ static void test_narrow_matrices_need_no_library(void **state)
         size_t size = 0;
         options.linear = &none;
         options.solver = TRIBO_SOLVER_NEWTON;
-        options.max_iterations = sliding ? 30 : 0;
         if (sliding) {
             systems_sliding_tower(&tower, 60, 2);
         } else {
@@ -395,7 +394,7 @@ static void test_narrow_matrices_need_no_library(void **state)
                                             tower.contacts, &options, workspace, size, impulses,
                                             velocities, &info),
                          TRIBO_OK);
-        assert_int_equal(info.stop, sliding ? TRIBO_STOP_ITERATIONS : TRIBO_STOP_TOLERANCE);
+        assert_int_equal(info.stop, TRIBO_STOP_TOLERANCE);
         assert_true(info.factorizations > 0);
         free(workspace);
         free(impulses);
@@ -442,8 +441,7 @@ static void test_sliding_towers(void **state)
         size_t boxes;
         size_t some;
         double most; /* median */
-    } heights[] = {{2, 60, 10},   {5, 40, 32},  {10, 30, 100},
-                   {20, 15, 120}, {50, 6, 400}, {100, 3, HUGE_VAL}};
+    } heights[] = {{2, 60, 10}, {5, 40, 24}, {10, 30, 30}, {20, 15, 30}, {50, 6, 40}, {100, 3, 60}};
     const char *slow = getenv("TRIBO_SLOW");
     double least = 1.0;
     (void)state;
@@ -455,6 +453,35 @@ static void test_sliding_towers(void **state)
         assert_true(count < heights[i].some || median <= heights[i].most);
     }
     assert_true(least == 1.0);
+}
+
+/* The path to the solution of most of these turns back, where a matrix becomes singular or where a
+ * slip turns round; the last steps of the others need all digits. Newton alone wanders on them for
+ * some hundred to two thousand steps, and on seed 334 it stalls. */
+static void test_towers_whose_path_turns(void **state)
+{
+    static const struct {
+        size_t boxes;
+        uint64_t seed;
+    } towers[] = {{10, 7},   {50, 6},   {50, 26},  {50, 29}, {50, 334},
+                  {100, 20}, {100, 27}, {100, 78}, {100, 89}};
+    tribo_system_options options = defaults();
+    double most = 0.0;
+    (void)state;
+    options.tolerance = 1e-9;
+    for (size_t i = 0; i < sizeof towers / sizeof towers[0]; i++) {
+        systems_scene tower;
+        answer got;
+        systems_sliding_tower(&tower, towers[i].boxes, towers[i].seed);
+        solve(&tower, &options, NULL, &got);
+        assert_int_equal(got.info.stop, TRIBO_STOP_TOLERANCE);
+        assert_true(got.truth.eta <= 1e-9 && got.truth.energy <= got.truth.energy_noise);
+        most = fmax(most, (double)got.info.factorizations);
+        release(&got);
+        systems_free(&tower);
+    }
+    print_message("# paths that turn: at most %g factorisations\n", most);
+    assert_true(most <= 250.0);
 }
 
 /* ---- standing heaps -------------------------------------------------------------------------- */
@@ -535,32 +562,47 @@ static void test_heaps_between_smooth_walls(void **state)
 }
 
 /* Units are a matter of exponents: odd powers of two, of which no root is exact, change no bit. */
-static void test_heaps_have_no_units(void **state)
+static void scale_units(const systems_scene *scene)
 {
+    static const int powers[6][3] = {{1, 0, 0},  {0, 1, 0},    {0, 0, 1},
+                                     {-3, 5, 2}, {7, -11, -3}, {-20, 31, 9}};
     const tribo_system_options options = defaults();
-    systems_scene heap;
     answer want;
-    (void)state;
-    systems_heap(&heap, 6, 1.0, 3);
-    solve(&heap, &options, NULL, &want);
+    solve(scene, &options, NULL, &want);
     for (int i = 0; i < 6; i++) {
-        static const int powers[6][3] = {{1, 0, 0},  {0, 1, 0},    {0, 0, 1},
-                                         {-3, 5, 2}, {7, -11, -3}, {-20, 31, 9}};
         systems_scene scaled;
         answer got;
-        systems_copy(&heap, &scaled);
+        systems_copy(scene, &scaled);
         systems_scale(&scaled, powers[i][0], powers[i][1], powers[i][2]);
         solve(&scaled, &options, NULL, &got);
-        for (size_t k = 0; k < 3 * heap.count; k++) {
+        for (size_t k = 0; k < 3 * scene->count; k++) {
             got.impulses[k] = ldexp(got.impulses[k], powers[i][2] - powers[i][0] - powers[i][1]);
         }
-        assert_memory_equal(got.impulses, want.impulses, 3 * heap.count * sizeof(double));
+        assert_memory_equal(got.impulses, want.impulses, 3 * scene->count * sizeof(double));
         assert_int_equal(got.info.factorizations, want.info.factorizations);
         release(&got);
         systems_free(&scaled);
     }
     release(&want);
+}
+
+static void test_heaps_have_no_units(void **state)
+{
+    systems_scene heap;
+    (void)state;
+    systems_heap(&heap, 6, 1.0, 3);
+    scale_units(&heap);
     systems_free(&heap);
+}
+
+/* One whose path turns back. */
+static void test_sliding_towers_have_no_units(void **state)
+{
+    systems_scene tower;
+    (void)state;
+    systems_sliding_tower(&tower, 10, 7);
+    scale_units(&tower);
+    systems_free(&tower);
 }
 
 /* Piles that fall apart, on slippery spheres: sweeps get there, and with leaps in a tenth of them. */
@@ -694,9 +736,11 @@ int main(void)
         cmocka_unit_test(test_narrow_matrices_need_no_library),
         cmocka_unit_test(test_narrow_blocks_need_no_library),
         cmocka_unit_test(test_sliding_towers),
+        cmocka_unit_test(test_towers_whose_path_turns),
         cmocka_unit_test(test_standing_heaps),
         cmocka_unit_test(test_heaps_between_smooth_walls),
         cmocka_unit_test(test_heaps_have_no_units),
+        cmocka_unit_test(test_sliding_towers_have_no_units),
         cmocka_unit_test(test_assembled_heaps),
         cmocka_unit_test(test_slippery_piles),
         cmocka_unit_test(test_rough_piles),
