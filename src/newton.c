@@ -13,6 +13,11 @@
 #define QUICKEST 2
 #define QUICK 10
 #define INNER_STEPS 30
+/* Share of |F| that rounding leaves of a step's equations: about inversely as alpha, which falls only
+ * so far that the one is to be expected. A step beyond the other is the last with this alpha, and
+ * none if it cannot be gone in full. */
+#define CLEAR 0.1
+#define BLIND 0.5
 #define INNER_SHARE 1e-1  /* of the outer residual: where a proximal step is solved */
 #define MEMORY 5          /* residuals that a step may not exceed */
 #define LEAST_LENGTH 1e-3 /* of a Newton step */
@@ -168,8 +173,8 @@ static void exchange(double **a, double **b)
     *b = held;
 }
 
-/* Move by a share of the step, halved until F falls below the bound. Returns |F| there. */
-static double search(newton *n, double bound, double *share)
+/* Move by a share of the step, halved until |F| = f falls below the bound. Returns |F| there. */
+static double search(newton *n, double f, double bound, double *share)
 {
     const size_t numbers_of = 3 * (size_t)n->problem->count;
     double t = 1.0;
@@ -180,6 +185,8 @@ static double search(newton *n, double bound, double *share)
             n->next_r[i] = n->r[i] + t * n->step[i];
         certificate_velocity(n->problem, n->next_r, n->dv, n->next_u);
         next = map_all(n, n->next_r, n->next_u, n->next_f, n->next_mode);
+        if (t == 1.0)
+            n->blur = greater(n->blur, step_error(n) / f);
         if (next < (1.0 - 1e-4 * t) * bound)
             break;
     }
@@ -336,6 +343,7 @@ static int solve_proximal(newton *n, double enough, newton_run *run, uint32_t *s
     double past[MEMORY];
     uint32_t short_steps = 0;
 
+    n->blur = 0.0;
     for (*steps = 0; *steps < n->inner_steps; ++*steps) {
         double share;
         if (f <= enough)
@@ -344,10 +352,12 @@ static int solve_proximal(newton *n, double enough, newton_run *run, uint32_t *s
         if (run->halted != 0 || run->steps >= run->most_steps || !step_once(n, run))
             return 0;
         past[*steps % MEMORY] = f;
-        f = search(n, bound_of(past, *steps), &share);
-        if (!(f <= 1e300))
+        f = search(n, f, bound_of(past, *steps), &share);
+        if (!(f <= 1e300) || (share < 1.0 && n->blur > BLIND))
             return 0;
         move(n);
+        if (n->blur > BLIND)
+            break;
         short_steps = share < SHORT_SHARE ? short_steps + 1 : 0;
         if (short_steps == SHORT_STEPS) {
             f = smooth(n);
@@ -456,9 +466,11 @@ static void adapt(newton *n, int solved, uint32_t steps)
     n->sweeps = n->sweeps > LEAST_SWEEPS ? n->sweeps / 2 : LEAST_SWEEPS;
     if (steps <= 1 && n->fall > SLOW_FALL)
         n->fall *= FAST_FALL;
-    if (steps < QUICK)
-        n->alpha = greater(n->alpha / (steps <= QUICKEST ? lesser(n->fall, missing) : SLOW_FALL),
-                           LEAST_ALPHA * n->size);
+    if (steps >= QUICK)
+        return;
+    const double fall = steps <= QUICKEST ? lesser(n->fall, missing) : SLOW_FALL;
+    const double clear = n->blur > 0.0 ? greater(CLEAR / n->blur, 1.0) : fall;
+    n->alpha = greater(n->alpha / lesser(fall, clear), LEAST_ALPHA * n->size);
 }
 
 double newton_start(newton *n, const system_problem *problem, const goal *wanted,

@@ -20,6 +20,7 @@ struct newton {
     double alpha;
     verdict reached;      /* by the best impulses */
     uint32_t sweeps;      /* of the next smoothing */
+    double blur;          /* greatest step_error over |F| in the last proximal step */
     uint32_t inner_steps; /* that a proximal step may take */
     double unit;          /* bodies: power of two near the greatest W_cc */
 
@@ -105,6 +106,9 @@ int step_solve(newton *n, newton_run *run);
 
 /* The same for another `right`, after a step_solve whose own is 1 (bodies), with its matrix. */
 int step_again(newton *n, newton_run *run);
+
+/* By how much rounding missed the equations of step_solve, as a velocity: next_u is that of r + step. */
+double step_error(const newton *n);
 
 /* Sign of the determinant of the matrix that step_solve has factored by LU; 0 where it is not known:
  * the matrix is not dense. */

@@ -623,7 +623,7 @@ static void move_contact(const newton *n, size_t c, double moved[3])
     }
 }
 
-/* Solve for x, and dr = -A^-1 F - D H x. */
+/* Solve for x, and dr = -A^-1 F - D H x; H x goes to `moved`. */
 static int solve_bodies(newton *n, newton_run *run)
 {
     const system_problem *p = n->problem;
@@ -632,7 +632,7 @@ static int solve_bodies(newton *n, newton_run *run)
     if (!substitute(n, 6 * p->bodies, run))
         return 0;
     for (size_t c = 0; c < p->count; c++) {
-        double moved[3];
+        double *moved = n->moved + 3 * c;
         double change[3];
         move_contact(n, c, moved);
         apply3(n->slope + 9 * c, moved, change);
@@ -814,6 +814,39 @@ int step_again(newton *n, newton_run *run)
     for (size_t c = 0; c < p->count; c++)
         load_contact(n, c);
     return solve_bodies(n, run);
+}
+
+/* What rounding left of the equations of contact c. Bodies: W dr - H x. */
+static void leave(const newton *n, size_t c, double off[3])
+{
+    double du[3];
+    double own[3];
+
+    for (size_t k = 0; k < 3; k++)
+        du[k] = n->next_u[3 * c + k] - n->u[3 * c + k];
+    if (n->problem->bodies != 0) {
+        for (size_t k = 0; k < 3; k++)
+            off[k] = du[k] - n->moved[3 * c + k];
+        return;
+    }
+    apply3(n->slope + 9 * c, du, off);
+    apply3(n->own + 9 * c, n->step + 3 * c, own);
+    for (size_t k = 0; k < 3; k++)
+        off[k] += own[k] + n->right[3 * c + k];
+}
+
+double step_error(const newton *n)
+{
+    double sum = 0.0;
+
+    for (size_t c = 0; c < n->problem->count; c++) {
+        double off[3];
+        if (n->mode[c] == OPEN)
+            continue;
+        leave(n, c, off);
+        sum += off[0] * off[0] + off[1] * off[1] + off[2] * off[2];
+    }
+    return sqrt(sum);
 }
 
 int step_turn(const newton *n)
