@@ -20,6 +20,16 @@ enum {
     IMAGE = 1 << 16
 };
 
+/* AddressSanitizer asks for its options here. The reader has a process of its own for each HDF5
+ * file, and fork copies the tables of all pages; so the memory that was freed and must not be used
+ * is kept for as long as a trial frees, and not for hundreds of trials. */
+const char *__asan_default_options(void);
+
+const char *__asan_default_options(void)
+{
+    return "quarantine_size_mb=8";
+}
+
 /* ---- a problem ---------------------------------------------------------------------------- */
 
 typedef struct plain_matrix {
