@@ -13,11 +13,13 @@ golden=tests/golden/shapes.txt
 work=$BUILD/golden-shapes
 rm -rf "$work" && mkdir -p "$work/include" || exit 2
 echo 'int main(void) { return 0; }' >"$work/nothing.c"
+# shellcheck source=tests/golden/level.sh
+. tests/golden/level.sh
 
 # as in the Makefile
 flags=(-std=c99 -ffp-contract=off -fno-math-errno -fno-trapping-math -fno-tree-slp-vectorize)
-flags+=(-Iinclude -Isrc -DTRIBO_BUILD)
-sources=(tests/golden/shapes.c)
+flags+=(-Iinclude -Isrc "-I$work/include" -DTRIBO_BUILD)
+sources=()
 for name in math body broad clip closed collide convex mesh shape; do
     sources+=("src/$name.c")
 done
@@ -26,19 +28,34 @@ done
 header=$(echo '#include <ccd/ccd.h>' | gcc -M -x c - 2>/dev/null | grep -o '/[^ ]*/ccd/ccd\.h')
 ln -s "${header%/ccd.h}" "$work/include/ccd"
 
+# objects FOLDER COMPILER...: what programs of both kinds share is compiled once
+objects()
+{
+    local folder=$1 source
+    shift
+    [ -e "$folder/done" ] && return
+    mkdir -p "$folder"
+    for source in "${sources[@]}"; do
+        "$@" "${flags[@]}" -c "$source" -o "$folder/$(basename "$source" .c).o" || return 1
+    done
+    touch "$folder/done"
+}
+
 # build full|bare PROGRAM COMPILER...
 build()
 {
-    local kind=$1 program=$2
+    local kind=$1 program=$2.$1 folder=$2.objects
     shift 2
     if "$@" -dM -E -x c /dev/null | grep -q __x86_64__; then
         set -- "$@" -mno-fma
     fi
+    objects "$folder" "$@" || return 1
     if [ "$kind" = full ]; then
-        "$@" "${flags[@]}" "${sources[@]}" src/hull.c -lccd -lqhull_r -lm -o "$program"
+        "$@" "${flags[@]}" tests/golden/shapes.c src/hull.c "$folder"/*.o -lccd -lqhull_r -lm \
+            -o "$program"
     else
-        "$@" "${flags[@]}" -I"$work/include" -DTRIBO_GOLDEN_BARE "${sources[@]}" \
-            tests/golden/absent.c -lm -o "$program"
+        "$@" "${flags[@]}" -DTRIBO_GOLDEN_BARE tests/golden/shapes.c tests/golden/absent.c \
+            "$folder"/*.o -lm -o "$program"
     fi
 }
 
@@ -54,30 +71,40 @@ expected()
     fi
 }
 
-# cell full|bare NAME "RUNNER" COMPILER...
+# judge KIND NAME "RUNNER" PROGRAM
+judge()
+{
+    local kind=$1 name="$2, $1" runner=$3 program=$4 out
+    out=$($runner "$program.$kind" 2>>"$program.log")
+    # elsewhere libccd and Qhull are other builds: see shapes.c
+    [ "$(uname -m)" = x86_64 ] || out=$(echo "$out" | grep -vE '^(libccd|hull) ')
+    if [ "$out" = "$(expected "$kind")" ]; then
+        echo "ok - $name"
+    else
+        echo "not ok - $name"
+        echo "# differs in:" \
+            "$(diff <(echo "$out") <(expected "$kind") | grep '^<' | tr -s '\n' ' ')"
+        sed 's/^/# /' "$program.log"
+    fi
+}
+
+# cell "KIND..." NAME "RUNNER" COMPILER...
 cell()
 {
-    local kind=$1 name="$2, $1" runner=$3 program=$work/${2//[^a-zA-Z0-9]/-}.$1 out
+    local kinds=$1 name=$2 runner=$3 program=$work/${2//[^a-zA-Z0-9]/-} kind
     shift 3
-    if ! { "$@" "$work/nothing.c" -o "$program.nothing" && $runner "$program.nothing"; } \
-        >"$program.log" 2>&1; then
-        echo "ok - $name # SKIP cannot build or run a program: $(head -n 1 "$program.log")"
-    elif ! build "$kind" "$program" "$@" >"$program.log" 2>&1; then
-        echo "not ok - $name"
-        grep -m 5 -E 'error|undefined' "$program.log" | sed 's/^/# /'
-    else
-        out=$($runner "$program" 2>>"$program.log")
-        # elsewhere libccd and Qhull are other builds: see shapes.c
-        [ "$(uname -m)" = x86_64 ] || out=$(echo "$out" | grep -vE '^(libccd|hull) ')
-        if [ "$out" = "$(expected "$kind")" ]; then
-            echo "ok - $name"
+    for kind in $kinds; do
+        if ! { "$@" "$work/nothing.c" -o "$program.nothing" && $runner "$program.nothing"; } \
+            >"$program.log" 2>&1; then
+            echo "ok - $name, $kind # SKIP cannot build or run a program:" \
+                "$(head -n 1 "$program.log")"
+        elif ! build "$kind" "$program" "$@" >"$program.log" 2>&1; then
+            echo "not ok - $name, $kind"
+            grep -m 5 -E 'error|undefined' "$program.log" | sed 's/^/# /'
         else
-            echo "not ok - $name"
-            echo "# differs in:" \
-                "$(diff <(echo "$out") <(expected "$kind") | grep '^<' | tr -s '\n' ' ')"
-            sed 's/^/# /' "$program.log"
+            judge "$kind" "$name" "$runner" "$program"
         fi
-    fi
+    done
 }
 
 built_library()
@@ -111,16 +138,6 @@ nothing_fused()
     fi
 }
 
-# has_level x86-64-v3|x86-64-v4: whether this processor runs what is compiled for it
-has_level()
-{
-    local feature features="avx2 bmi2 fma movbe"
-    [ "$1" = x86-64-v4 ] && features="avx512f avx512bw avx512cd avx512dq avx512vl"
-    for feature in $features; do
-        grep -qw "$feature" /proc/cpuinfo || return 1
-    done
-}
-
 # Two cells at a time; what each prints is kept apart and put in order at the end.
 cells=0
 start()
@@ -142,8 +159,8 @@ wasm=(clang-16 --target=wasm32-wasi --sysroot=/usr)
 wasi="node --no-warnings --experimental-wasi-unstable-preview1 tests/golden/wasi.mjs"
 
 if [ "${1:-}" = --update ] || [ "${1:-}" = --write ]; then
-    build full "$work/update" gcc -O2 && build bare "$work/update.bare" gcc -O2 &&
-        { "$work/update.bare" && "$work/update" | grep -vE '^(shape|broad|closed) '; } >$golden ||
+    build full "$work/update" gcc -O2 && build bare "$work/update" gcc -O2 &&
+        { "$work/update.bare" && "$work/update.full" | grep -vE '^(shape|broad|closed) '; } >$golden ||
         exit 1
     cat $golden
     [ "$1" = --update ] || exit 0
@@ -157,8 +174,7 @@ start cell bare "i686 gcc -O2 SSE2" "$runner_i686" \
     i686-linux-gnu-gcc -static -O2 -msse2 -mfpmath=sse
 for compiler in gcc clang-16; do
     for optimisation in -O0 -O2 -O3; do
-        start cell full "$compiler $optimisation" "" $compiler $optimisation
-        start cell bare "$compiler $optimisation" "" $compiler $optimisation
+        start cell "full bare" "$compiler $optimisation" "" $compiler $optimisation
     done
 done
 if [ "$machine" = x86_64 ]; then
