@@ -331,10 +331,18 @@ demo:
 	$(MAKE) --no-print-directory all
 	$(BUILD)/tribo demo --out $(BUILD)/demo
 
+# What takes longest comes first, so that no core is idle while the last one runs.
+SLOW := bindings/python/check tests/golden.sh tests/cli.sh tests/golden_shapes.sh \
+        bindings/js/check bindings/rust/check bindings/go/check bindings/cpp/check \
+        $(addprefix $(BUILD)/,tests/towers fuzz/problem-random tests/system fuzz/scene-random \
+            tests/sparse fuzz/system-random tests/scene_needs tests/scenes tests/convex \
+            tests/impact_sets tests/solve_sets tests/sweep tests/collide tests/broad)
+slow_first = $(filter $(1),$(SLOW)) $(filter-out $(SLOW),$(1))
+
 # What a test may ask of its environment. The paths are absolute; the working folder is this one.
 TEST_ENV = CMOCKA_MESSAGE_OUTPUT=TAP BUILD='$(abspath $(BUILD))' SRCDIR='$(CURDIR)' CC='$(CC)' \
            CFLAGS='$(CFLAGS)' CPPFLAGS='$(CPPFLAGS)' LDFLAGS='$(LDFLAGS)'
-PROPERTIES = $(abspath $(TESTS) $(RANDOMS)) \
+PROPERTIES = $(abspath $(call slow_first,$(TESTS) $(RANDOMS))) \
              $(foreach room,$(ROOMS),'$(abspath $(BUILD)/fuzz/$(room)-replay) fuzz/corpus/$(room)')
 
 # Each binding has a program `check`: TAP, one line "1..0 # SKIP why" without its toolchain.
@@ -348,7 +356,8 @@ check:
 	$(MAKE) --no-print-directory run-check
 
 run-check:
-	$(TEST_ENV) tests/run -j $(JOBS) -t 900 $(wildcard tests/*.sh) $(BINDINGS) $(PROPERTIES)
+	$(TEST_ENV) tests/run -j $(JOBS) -t 900 $(call slow_first,$(wildcard tests/*.sh) $(BINDINGS)) \
+	    $(PROPERTIES)
 
 check-bindings:
 	.ci/deps check bindings
