@@ -128,6 +128,8 @@ void central_impulses(const newton *n, double *r)
 
 void central_place(newton *n)
 {
+    if (n->is_placed != 0)
+        return;
     central_impulses(n, n->next_r);
     certificate_velocity(n->problem, n->next_r, n->dv, n->next_u);
 }
@@ -269,7 +271,6 @@ void central_directions(newton *n, uint32_t aim)
 {
     const system_problem *p = n->problem;
 
-    certificate_velocity(p, n->step, n->dv, n->moved);
     for (size_t c = 0; c < p->count; c++) {
         double *dy = n->next_f + 3 * c;
         double off[3] = {0.0, 0.0, 0.0};
@@ -302,20 +303,29 @@ double central_share(const newton *n, const double *dx, const double *dy)
 
 void central_move(newton *n, double share)
 {
+    n->is_placed = 0;
     for (size_t i = 0; i < 3 * (size_t)n->problem->count; i++) {
         n->primal[i] += share * n->next_r[i];
         n->dual[i] += share * n->next_f[i];
     }
 }
 
-double central_gap(const newton *n, double share)
+double central_gap(const newton *n)
 {
     double sum = 0.0;
 
-    for (size_t c = 0; c < n->problem->count; c++) {
-        for (size_t i = 3 * c; i < 3 * c + 3; i++)
-            sum += (n->primal[i] + share * n->next_r[i]) * (n->dual[i] + share * n->next_f[i]);
-    }
+    for (size_t i = 0; i < 3 * (size_t)n->problem->count; i++)
+        sum += n->primal[i] * n->dual[i];
+    return sum / (double)n->problem->count;
+}
+
+/* The same after a share of the step. */
+static double gap_ahead(const newton *n, double share)
+{
+    double sum = 0.0;
+
+    for (size_t i = 0; i < 3 * (size_t)n->problem->count; i++)
+        sum += (n->primal[i] + share * n->next_r[i]) * (n->dual[i] + share * n->next_f[i]);
     return sum / (double)n->problem->count;
 }
 
@@ -357,8 +367,8 @@ double central_inner(const newton *n, const double *ax, const double *ay, const 
     return sum;
 }
 
-/* What `step` leaves of the equations, less what stands on the right of them, to `rest`. Returns
- * its size over that of the right-hand side, as V scales them. */
+/* What `step` leaves of the equations, to `rest`. Returns its size over that of the right-hand side,
+ * as V scales them. */
 static double leave(newton *n)
 {
     const system_problem *p = n->problem;
@@ -366,7 +376,6 @@ static double leave(newton *n)
     double sum = 0.0;
     double all = 0.0;
 
-    certificate_velocity(p, n->step, n->dv, n->moved);
     for (size_t c = 0; c < p->count; c++) {
         double *rest = n->rest + 3 * c;
         double du[3];
@@ -384,31 +393,46 @@ static double leave(newton *n)
     return all > 0.0 ? sqrt(sum / all) : 0.0;
 }
 
-/* Solve for `step`, and again for what rounding has left of the equations. */
-int central_solve(newton *n, newton_run *run, int is_factored)
+/* Solve with the rest on the right, and add that to `step`. Returns 0 if it cannot be. */
+static int refine(newton *n, newton_run *run)
 {
     const size_t numbers_of = 3 * (size_t)n->problem->count;
+
+    copy(numbers_of, n->step, n->center);
+    for (size_t k = 0; k < numbers_of; k++) {
+        const double held = n->right[k];
+        n->right[k] = n->rest[k];
+        n->rest[k] = held;
+    }
+    if (!step_again(n, run))
+        return 0;
+    for (size_t k = 0; k < numbers_of; k++) {
+        n->step[k] += n->center[k];
+        n->right[k] = n->rest[k];
+    }
+    certificate_velocity(n->problem, n->step, n->dv, n->moved);
+    return 1;
+}
+
+/* Where a matrix has left no rest to speak of once, it does not either for the next right-hand
+ * side. */
+int central_solve(newton *n, newton_run *run, int is_factored)
+{
     double before = HUGE_VAL;
 
     if (!(is_factored ? step_again(n, run) : step_solve(n, run)))
         return 0;
-    for (int i = 0; i < REFINEMENTS && n->follows != 0; i++) {
+    certificate_velocity(n->problem, n->step, n->dv, n->moved);
+    n->is_exact = n->follows == 0 || (is_factored && n->is_exact != 0);
+    for (int i = 0; i < REFINEMENTS && n->is_exact == 0; i++) {
         const double size = leave(n);
-        if (!(size > ACCURACY && size < 0.5 * before))
-            return 1;
+        if (!(size > ACCURACY && size < 0.5 * before)) {
+            n->is_exact = i == 0;
+            break;
+        }
         before = size;
-        copy(numbers_of, n->step, n->center);
-        for (size_t k = 0; k < numbers_of; k++) {
-            const double held = n->right[k];
-            n->right[k] = n->rest[k];
-            n->rest[k] = held;
-        }
-        if (!step_again(n, run))
+        if (!refine(n, run))
             return 0;
-        for (size_t k = 0; k < numbers_of; k++) {
-            n->step[k] += n->center[k];
-            n->right[k] = n->rest[k];
-        }
     }
     return 1;
 }
@@ -424,8 +448,8 @@ double central_go(newton *n, newton_run *run)
     if (!central_solve(n, run, 0))
         return 0.0;
     central_directions(n, AIM_PLAIN);
-    const double ahead = central_gap(n, central_share(n, n->next_r, n->next_f));
-    const double gap = central_gap(n, 0.0);
+    const double ahead = gap_ahead(n, central_share(n, n->next_r, n->next_f));
+    const double gap = central_gap(n);
     const double rest = lesser(absolute(ahead) / gap, 1.0);
     central_aim(n, AIM_SECOND, gap * greater(rest * rest * rest, LEAST_CENTERING));
     if (!central_solve(n, run, 1))
@@ -442,6 +466,7 @@ void central_start(newton *n, double times)
 {
     double most = 0.0;
 
+    n->is_placed = 0;
     for (size_t i = 0; i < 3 * (size_t)n->problem->count; i++)
         most = greater(most, absolute(n->problem->q[i]));
     for (size_t c = 0; c < n->problem->count; c++) {

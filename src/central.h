@@ -26,7 +26,7 @@ void central_start(newton *n, double times);
 /* r of all x. */
 void central_impulses(const newton *n, double *r);
 
-/* next_u of where we are, which all below go by. */
+/* next_u of where we are, which all below go by. Nothing is to be done where it is_placed. */
 void central_place(newton *n);
 
 /* The matrix of a step. Returns 0 at the edge of a cone. */
@@ -35,11 +35,11 @@ int central_law(newton *n);
 /* The right-hand side of a step, after central_law. */
 void central_aim(newton *n, uint32_t aim, double target);
 
-/* Solve for `step`, or for another right-hand side with the matrix that is factored. Returns 0 if it
- * is singular. */
+/* Solve for `step`, or for another right-hand side with the matrix that is factored; what it does to
+ * u goes to `moved`, q added. Returns 0 if the matrix is singular. */
 int central_solve(newton *n, newton_run *run, int is_factored);
 
-/* dx to next_r and dy to next_f, from `step`. */
+/* dx to next_r and dy to next_f, after central_solve. */
 void central_directions(newton *n, uint32_t aim);
 
 /* The share, at most 1, of dx and dy that stays in the cones. */
@@ -48,8 +48,8 @@ double central_share(const newton *n, const double *dx, const double *dy);
 /* x and y go a share of next_r and next_f. */
 void central_move(newton *n, double share);
 
-/* Mean x . y after a share of the step. */
-double central_gap(const newton *n, double share);
+/* Mean x . y. */
+double central_gap(const newton *n);
 
 /* Product of two steps, as V scales them. */
 double central_inner(const newton *n, const double *ax, const double *ay, const double *bx,

@@ -61,13 +61,13 @@ double interior_round(newton *n, newton_run *run, double *r)
 
     n->follows = 0;
     central_start(n, 1.0);
-    const double enough = INNER_TOLERANCE * central_gap(n, 0.0);
+    const double enough = INNER_TOLERANCE * central_gap(n);
     for (int i = 0; i < MOST_STEPS && share > SHORTEST && central_may_go(run); i++) {
         share = central_go(n, run);
         central_impulses(n, n->moved);
         const double before = n->distance;
         newton_judge(n, n->moved);
-        const double gap = central_gap(n, 0.0);
+        const double gap = central_gap(n);
         if (gap <= enough || n->distance <= SURPLUS || is_idle(n, i, gap, &best) ||
             (n->reached.distance <= 1.0 && n->distance > 0.3 * before))
             break;

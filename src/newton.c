@@ -339,10 +339,11 @@ static void move(newton *n)
  * become short, sweeps find the contacts that slide or part. */
 static int solve_proximal(newton *n, double enough, newton_run *run, uint32_t *steps)
 {
-    double f = map_all(n, n->r, n->u, n->f, n->mode);
+    double f = n->known >= 0.0 ? n->known : map_all(n, n->r, n->u, n->f, n->mode);
     double past[MEMORY];
     uint32_t short_steps = 0;
 
+    n->known = -1.0;
     n->blur = 0.0;
     for (*steps = 0; *steps < n->inner_steps; ++*steps) {
         double share;
@@ -375,7 +376,10 @@ double newton_judge(newton *n, const double *r)
     const double alpha = n->alpha;
 
     project_all(n, r, n->next_r);
-    certificate_velocity(n->problem, n->next_r, n->dv, n->next_u);
+    if (r == n->r && is_same(3 * count, r, n->next_r))
+        copy(3 * count, n->u, n->next_u);
+    else
+        certificate_velocity(n->problem, n->next_r, n->dv, n->next_u);
     n->alpha = 0.0;
     const double f = map_all(n, n->next_r, n->next_u, n->next_f, n->next_mode);
     n->alpha = alpha;
@@ -453,6 +457,21 @@ static void begin(newton *n, const system_problem *problem, const double *r)
     n->size = sum / (double)problem->count;
 }
 
+/* The judgement of n->r has mapped it without a proximal term, which is the map where the next
+ * proximal step begins, unless the cone held it back. */
+static void keep_map(newton *n, double f)
+{
+    uint8_t *held = n->mode;
+
+    n->known = -1.0;
+    if (!is_same(3 * (size_t)n->problem->count, n->r, n->next_r))
+        return;
+    exchange(&n->f, &n->next_f);
+    n->mode = n->next_mode;
+    n->next_mode = held;
+    n->known = f;
+}
+
 /* The next alpha: lower where Newton is at ease. */
 static void adapt(newton *n, int solved, uint32_t steps)
 {
@@ -479,6 +498,7 @@ double newton_start(newton *n, const system_problem *problem, const goal *wanted
     begin(n, problem, r);
     n->wanted = wanted;
     n->outer = newton_judge(n, n->r);
+    keep_map(n, n->outer);
     n->alpha = FIRST_ALPHA * n->size;
     n->fall = FAST_FALL;
     n->sweeps = LEAST_SWEEPS;
@@ -526,8 +546,10 @@ static void advance(newton *n, newton_run *run)
         run->steps++;
         n->outer = now;
         move(n);
+        n->known = now;
     } else if (good) {
         n->outer = solved ? now : lesser(n->outer, now);
+        keep_map(n, now);
     } else {
         copy(3 * (size_t)n->problem->count, n->center, n->r);
         certificate_velocity(n->problem, n->r, n->dv, n->u);
@@ -544,6 +566,7 @@ double newton_finish(newton *n, newton_run *run, const double *from, double *r)
     copy(3 * (size_t)n->problem->count, from, n->r);
     certificate_velocity(n->problem, n->r, n->dv, n->u);
     n->outer = newton_judge(n, n->r);
+    keep_map(n, n->outer);
     n->alpha = LAST_ALPHA * n->size;
     n->fall = FAST_FALL;
     n->inner_steps = LAST_STEPS;

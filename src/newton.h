@@ -37,11 +37,11 @@ uint32_t newton_possible(uint32_t count, uint32_t bodies, const newton_run *run)
 newton *newton_take(arena *a, uint32_t count, uint32_t bodies, uint32_t torques, size_t links,
                     const newton_run *run);
 
-/* About how many sweeps take as long as a step on this problem. */
+/* Order the unknowns of this problem. Returns about how many sweeps take as long as a step on it. */
 double newton_price(newton *n, const system_problem *problem, const newton_run *run);
 
-/* Start from r; `problem` and `wanted` must last until the last newton_continue. Returns the distance
- * of r from the goal. */
+/* Start from r on the problem of the last newton_price; it and `wanted` must last until the last
+ * newton_continue. Returns the distance of r from the goal. */
 double newton_start(newton *n, const system_problem *problem, const goal *wanted,
                     const newton_run *run, const double *r);
 

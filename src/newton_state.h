@@ -12,6 +12,7 @@ struct newton {
     const goal *wanted;
     double size;  /* mean |W_cc| */
     double fall;  /* of alpha */
+    double known; /* |F| of r for center = r, if f and mode are its; else negative */
     double outer; /* |F| without the proximal term, and the distance from the goal */
     double distance;
     uint64_t won;      /* step that brought something last */
@@ -32,6 +33,8 @@ struct newton {
     double *primal, *dual;            /* interior: x and y, 3 per contact */
     double *slip;                     /* interior: s, the De Saxce term over mu, unless ... */
     uint32_t follows;                 /* 1: it is that of the velocity */
+    uint32_t is_placed;               /* 1: next_u is that of x */
+    uint32_t is_exact;                /* 1: the matrix needs no refinement */
     double *rest;                     /* of the equations of a step: 3 per contact */
     double *along_x, *along_y;        /* direction of the path that is traced: 3 per contact */
     double *lead;        /* of torques, 3 per contact: what the normal impulse does to F */
@@ -77,6 +80,15 @@ static inline void copy(size_t count, const double *from, double *to)
         to[i] = from[i];
 }
 
+static inline uint32_t is_same(size_t count, const double *a, const double *b)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (a[i] != b[i])
+            return 0;
+    }
+    return 1;
+}
+
 static inline double coefficient(const newton *n, size_t c)
 {
     return n->problem->mu[2 * c];
@@ -89,14 +101,15 @@ static inline void apply3(const double a[9], const double x[3], double out[3])
 }
 
 /* Natural map without the proximal term, and the distance from the goal, of r brought into the
- * cone; kept if it is the best so far. Uses next_r, next_u and next_f. */
+ * cone; kept if it is the best so far. That r, and u, F and modes of it, go to next_r and so on; where
+ * r is n->r, n->u must be its. */
 double newton_judge(newton *n, const double *r);
 
 /* Memory of the matrices. */
 void step_take(newton *n, arena *a, uint32_t count, uint32_t bodies, size_t links,
                const newton_run *run);
 
-/* What all steps on this problem have in common. */
+/* What all steps on this problem have in common, its unknowns being in order. */
 void step_prepare(newton *n, const newton_run *run);
 
 /* Solve own dr + slope W dr = -right for `step` = dr, contact by contact coupled by W; mode is OPEN

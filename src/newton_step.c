@@ -765,7 +765,7 @@ static double order_contacts(newton *n, const newton_run *run)
     return n->is_dense != 0 ? dense_operations(&n->shape) : CLIQUE_SHARE * operations;
 }
 
-static void prepare_bodies(newton *n, const newton_run *run)
+static void prepare_bodies(newton *n)
 {
     const system_problem *p = n->problem;
 
@@ -779,7 +779,6 @@ static void prepare_bodies(newton *n, const newton_run *run)
         half_of(n, c, 0, n->half + 36 * c);
         half_of(n, c, 1, n->half + 36 * c + 6);
     }
-    order_bodies(n, run);
     if (n->is_dense == 0)
         spread_rows(n);
 }
@@ -790,9 +789,7 @@ void step_prepare(newton *n, const newton_run *run)
 {
     n->kernels = dense_table_of(run->isa);
     if (n->problem->bodies != 0)
-        prepare_bodies(n, run);
-    else
-        order_contacts(n, run);
+        prepare_bodies(n);
 }
 
 int step_solve(newton *n, newton_run *run)

@@ -28,7 +28,7 @@ static progress begin(newton *n)
 
     n->follows = 1;
     central_start(n, FAR_START);
-    out.first = out.tried = out.last = central_gap(n, 0.0);
+    out.first = out.tried = out.last = central_gap(n);
     return out;
 }
 
@@ -40,12 +40,14 @@ static int is_over(newton *n, newton_run *run, progress *at, double *r)
     copy(3 * (size_t)n->problem->count, n->best, r);
     if (n->reached.distance <= 1.0)
         return 1;
-    const double gap = central_gap(n, 0.0);
+    n->is_placed = is_same(3 * (size_t)n->problem->count, n->moved, n->next_r);
+    const double gap = central_gap(n);
     const int is_ready = gap <= READY * at->first;
     const int is_slow = is_ready && gap > SLOW * at->last;
     at->last = gap;
     if (is_slow || (is_ready && gap <= RETRY * at->tried)) {
         at->tried = gap;
+        n->is_placed = 0;
         if (newton_finish(n, run, n->moved, r) <= 1.0)
             return 1;
     }
@@ -105,7 +107,7 @@ static int look_around(newton *n, newton_run *run, double gap, int *turn)
 /* One step back to the path and along it at once, as far as the cones let it. Returns its share. */
 static double trace(newton *n, newton_run *run, int *turn)
 {
-    const double gap = central_gap(n, 0.0);
+    const double gap = central_gap(n);
     double ahead = LONGEST;
     double share = 0.0;
 
