@@ -134,14 +134,14 @@ void central_place(newton *n)
     certificate_velocity(n->problem, n->next_r, n->dv, n->next_u);
 }
 
-/* Derivative of |u_t|; 0 where it has none. */
+/* How s follows: the derivative of |u_t|, 0 where it has none, at the pace. */
 static void slip_slope(const newton *n, size_t c, double e[2])
 {
     const double *u = n->next_u + 3 * c;
     const double slip = sqrt(u[1] * u[1] + u[2] * u[2]);
 
-    e[0] = has_friction(n, c) && slip > 0.0 ? u[1] / slip : 0.0;
-    e[1] = has_friction(n, c) && slip > 0.0 ? u[2] / slip : 0.0;
+    e[0] = has_friction(n, c) && slip > 0.0 ? n->pace * (u[1] / slip) : 0.0;
+    e[1] = has_friction(n, c) && slip > 0.0 ? n->pace * (u[2] / slip) : 0.0;
 }
 
 /* y(u) + s e - y: what y lacks. */
@@ -156,6 +156,34 @@ static void lack(const newton *n, size_t c, double off[3])
         off[0] += sqrt(u[1] * u[1] + u[2] * u[2]);
     for (size_t k = 0; k < 3; k++)
         off[k] -= n->dual[3 * c + k];
+}
+
+/* The part of it that a step is to bring. */
+static void lack_due(const newton *n, size_t c, uint32_t aim, double off[3])
+{
+    if (aim == AIM_ALONG) {
+        off[0] = off[1] = off[2] = 0.0;
+        return;
+    }
+    lack(n, c, off);
+    off[0] = n->pace * off[0] + (aim == AIM_CURVED ? n->slip[c] : 0.0);
+}
+
+double central_lack(const newton *n, double gap)
+{
+    double worst = 0.0;
+
+    for (size_t c = 0; c < n->problem->count; c++) {
+        double off[3];
+        double held[3];
+        scaling s;
+        if (!scale_cone(n->primal + 3 * c, n->dual + 3 * c, &s))
+            return HUGE_VAL;
+        lack(n, c, off);
+        scale(&s, 1.0, off, held);
+        worst = greater(worst, dot(held, held) / gap);
+    }
+    return worst;
 }
 
 /* ---- one step -------------------------------------------------------------------------------- */
@@ -240,7 +268,7 @@ static void aim_contact(const newton *n, size_t c, uint32_t aim, double target, 
     double b[3] = {target, 0.0, 0.0};
 
     scale(s, 1.0, n->dual + 3 * c, lambda);
-    if (aim == AIM_SECOND) {
+    if (aim == AIM_SECOND || aim == AIM_CURVED) {
         scale(s, -1.0, n->next_r + 3 * c, dx);
         scale(s, 1.0, n->next_f + 3 * c, dy);
         b[0] -= dot(dx, dy);
@@ -252,17 +280,36 @@ static void aim_contact(const newton *n, size_t c, uint32_t aim, double target, 
         t[k] -= lambda[k];
 }
 
+/* Second order of |u_t|, for the step in next_f. */
+static double curve_of(const newton *n, size_t c)
+{
+    const double *u = n->next_u + 3 * c;
+    double off[3];
+    double e[2];
+
+    if (!has_friction(n, c))
+        return 0.0;
+    lack(n, c, off);
+    slip_slope(n, c, e);
+    const double v1 = n->next_f[3 * c + 1] - off[1];
+    const double v2 = n->next_f[3 * c + 2] - off[2];
+    const double here = sqrt(u[1] * u[1] + u[2] * u[2]);
+    const double there = sqrt((u[1] + v1) * (u[1] + v1) + (u[2] + v2) * (u[2] + v2));
+    return n->pace * (there - here) - (e[0] * v1 + e[1] * v2);
+}
+
 void central_aim(newton *n, uint32_t aim, double target)
 {
     for (size_t c = 0; c < n->problem->count; c++) {
-        double off[3] = {0.0, 0.0, 0.0};
+        double off[3];
         double t[3];
         scaling s;
         if (!scale_cone(n->primal + 3 * c, n->dual + 3 * c, &s))
             return;
+        if (aim == AIM_CURVED)
+            n->slip[c] = curve_of(n, c);
         aim_contact(n, c, aim, target, &s, t);
-        if (aim != AIM_ALONG)
-            lack(n, c, off);
+        lack_due(n, c, aim, off);
         fill_right(n, c, &s, t, off);
     }
 }
@@ -273,7 +320,7 @@ void central_directions(newton *n, uint32_t aim)
 
     for (size_t c = 0; c < p->count; c++) {
         double *dy = n->next_f + 3 * c;
-        double off[3] = {0.0, 0.0, 0.0};
+        double off[3];
         double e[2] = {0.0, 0.0};
         double du[3];
         for (size_t k = 0; k < 3; k++)
@@ -282,8 +329,7 @@ void central_directions(newton *n, uint32_t aim)
         dual_of(n, c, du, dy);
         if (n->follows != 0)
             slip_slope(n, c, e);
-        if (aim != AIM_ALONG)
-            lack(n, c, off);
+        lack_due(n, c, aim, off);
         dy[0] += e[0] * du[1] + e[1] * du[2];
         for (int k = 0; k < 3; k++)
             dy[k] += off[k];
@@ -467,6 +513,7 @@ void central_start(newton *n, double times)
     double most = 0.0;
 
     n->is_placed = 0;
+    n->pace = 1.0;
     for (size_t i = 0; i < 3 * (size_t)n->problem->count; i++)
         most = greater(most, absolute(n->problem->q[i]));
     for (size_t c = 0; c < n->problem->count; c++) {

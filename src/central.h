@@ -16,9 +16,10 @@
 
 #include "newton_state.h"
 
-/* What a step is to bring, besides y = y(u) + s e: x o y = target e, the same with the second order
- * of the step in next_r and next_f, or only a change of x o y by target e, from where it is. */
-enum { AIM_PLAIN, AIM_SECOND, AIM_ALONG };
+/* What a step is to bring, besides y = y(u) + s e: x o y = target e; the same with the second order
+ * of the step in next_r and next_f; also with that of s, which follows; or only a change of x o y by
+ * target e, from where it is. */
+enum { AIM_PLAIN, AIM_SECOND, AIM_CURVED, AIM_ALONG };
 
 /* x and y in the middle of the cones, `times` the greatest velocity. */
 void central_start(newton *n, double times);
@@ -28,6 +29,9 @@ void central_impulses(const newton *n, double *r);
 
 /* next_u of where we are, which all below go by. Nothing is to be done where it is_placed. */
 void central_place(newton *n);
+
+/* Greatest |V (y(u) + s e - y)|^2 of a contact, over the gap. */
+double central_lack(const newton *n, double gap);
 
 /* The matrix of a step. Returns 0 at the edge of a cone. */
 int central_law(newton *n);

@@ -42,7 +42,7 @@
 
 uint32_t newton_possible(uint32_t count, uint32_t bodies, const newton_run *run)
 {
-    return run->linear != NULL || unknowns(count, bodies) <= run->dense_limit;
+    return run->linear.factor != NULL || unknowns(count, bodies) <= run->dense_limit;
 }
 
 static void take_state(newton *n, arena *a, size_t count, uint32_t bodies, uint32_t torques)

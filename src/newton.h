@@ -17,7 +17,7 @@ typedef struct newton_run {
     uint64_t most_steps;
     uint32_t isa;
     uint32_t dense_limit;
-    const tribo_linear *linear;
+    tribo_linear linear;             /* without functions: none */
     uint32_t (*halt)(void *context); /* other than 0: stop */
     void *context;
 
@@ -68,12 +68,13 @@ double interior_round(newton *n, newton_run *run, double *r);
  * For each t there is such a point (freeze the term: one point; the fixed point is Brouwer's), and
  * where t is large but one, so that the path from there leads to t = 0, though it may turn back on
  * its way. path_follow takes it in long steps, some fifteen to thirty, until they fail; path_trace
- * in steps measured along it (Keller, in Rabinowitz (ed.), Applications of bifurcation theory, 1977,
- * 359), which pass where t turns. Newton ends both. Call newton_start before and, unless the goal is
- * met, after; interior_possible tells of which problems. r receives the best impulses since; they
- * return their distance. */
+ * in some `steps` measured along it (Keller, in Rabinowitz (ed.), Applications of bifurcation theory,
+ * 1977, 359), which pass where t turns; each attempt in its own manner. Newton ends both. Call
+ * newton_start before and, unless the goal is met, after; interior_possible tells of which problems.
+ * r receives the best impulses since; they return their distance. */
+#define PATH_ATTEMPTS 3
 double path_follow(newton *n, newton_run *run, double *r);
-double path_trace(newton *n, newton_run *run, double *r);
+double path_trace(newton *n, newton_run *run, uint32_t attempt, uint64_t steps, double *r);
 
 /* A few of Newton's steps `from` impulses nearby, as long as they bring the distance down by much. r
  * receives the best impulses since newton_start; returns their distance. */

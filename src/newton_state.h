@@ -32,14 +32,15 @@ struct newton {
     double *gain;                     /* g_c */
     double *primal, *dual;            /* interior: x and y, 3 per contact */
     double *slip;                     /* interior: s, the De Saxce term over mu, unless ... */
-    uint32_t follows;                 /* 1: it is that of the velocity */
-    uint32_t is_placed;               /* 1: next_u is that of x */
-    uint32_t is_exact;                /* 1: the matrix needs no refinement */
-    double *rest;                     /* of the equations of a step: 3 per contact */
-    double *along_x, *along_y;        /* direction of the path that is traced: 3 per contact */
-    double *lead;        /* of torques, 3 per contact: what the normal impulse does to F */
-    double *dv;          /* 6 per body */
-    double *slope, *own; /* P E and A = g (1 - P) + alpha P E: 9 per contact */
+    uint32_t follows;   /* 1: it is that of the velocity; then `slip` is the second order of that */
+    double pace;        /* share of its change that a step takes */
+    uint32_t is_placed; /* 1: next_u is that of x */
+    uint32_t is_exact;  /* 1: the matrix needs no refinement */
+    double *rest;       /* of the equations of a step: 3 per contact */
+    double *along_x, *along_y; /* direction of the path that is traced: 3 per contact */
+    double *lead;              /* of torques, 3 per contact: what the normal impulse does to F */
+    double *dv;                /* 6 per body */
+    double *slope, *own;       /* P E and A = g (1 - P) + alpha P E: 9 per contact */
     uint8_t *mode, *next_mode;
 
     double *half;    /* bodies: J (unit M)^-1/2, 3 x 12 per contact, those of a before those of b:
@@ -123,8 +124,8 @@ int step_again(newton *n, newton_run *run);
 /* By how much rounding missed the equations of step_solve, as a velocity: next_u is that of r + step. */
 double step_error(const newton *n);
 
-/* Sign of the determinant of the matrix that step_solve has factored by LU; 0 where it is not known:
- * the matrix is not dense. */
-int step_turn(const newton *n);
+/* Sign of the determinant of the matrix that step_solve has factored; 0 where `linear` does not tell
+ * it. */
+int step_turn(const newton *n, newton_run *run);
 
 #endif

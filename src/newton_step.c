@@ -21,7 +21,7 @@ static void take_matrix(newton *n, arena *a, uint32_t rows, size_t entries, cons
     n->room = small * dense_stride(small);
     n->dense = numbers(a, n->room);
     n->pivots = arena_take(a, rows, sizeof(uint32_t));
-    if (run->linear == NULL || rows <= small)
+    if (run->linear.factor == NULL || rows <= small)
         return;
     n->row_starts = arena_take(a, (size_t)rows + 1, sizeof(uint32_t));
     n->columns = arena_take(a, entries, sizeof(uint32_t));
@@ -99,7 +99,7 @@ static int note_status(tribo_status status, newton_run *run)
 /* Factor the matrix that stands in `dense` or in rows of scalars. */
 static int factor(newton *n, uint32_t rows, newton_run *run)
 {
-    const tribo_linear *linear = run->linear;
+    const tribo_linear *linear = &run->linear;
 
     if (rows == 0)
         return 1;
@@ -121,7 +121,7 @@ static int substitute(newton *n, uint32_t rows, newton_run *run)
     if (rows == 0)
         return 1;
     if (n->is_dense == 0)
-        return note_status(run->linear->solve(run->linear->context, n->x), run);
+        return note_status(run->linear.solve(run->linear.context, n->x), run);
     if (n->symmetric != 0)
         dense_cholesky_solve(run->isa, &n->shape, dense_entries(n), n->x);
     else
@@ -846,17 +846,30 @@ double step_error(const newton *n)
     return sqrt(sum);
 }
 
-int step_turn(const newton *n)
+/* Rows exchanged and negative pivots, each changing it. */
+static int turn_of_dense(const newton *n)
 {
-    int sign = 1;
+    const double *a = dense_entries(n);
+    int turn = 1;
 
-    for (uint32_t i = 0; n->is_dense != 0 && i < n->shape.n; i++) {
-        if (n->pivots[i] != i)
-            sign = -sign;
-        if (dense_entries(n)[i * n->shape.stride + i] < 0.0)
-            sign = -sign;
+    for (size_t i = 0; i < n->shape.n; i++) {
+        turn = n->pivots[i] != i ? -turn : turn;
+        turn = a[i * (n->shape.stride + 1)] < 0.0 ? -turn : turn;
     }
-    return n->is_dense != 0 ? sign : 0;
+    return turn;
+}
+
+int step_turn(const newton *n, newton_run *run)
+{
+    int32_t turn = 0;
+
+    if (n->symmetric != 0)
+        return 1;
+    if (n->is_dense != 0)
+        return turn_of_dense(n);
+    if (run->linear.sign == NULL)
+        return 0;
+    return note_status(run->linear.sign(run->linear.context, &turn), run) ? turn : 0;
 }
 
 /* ---- price ----------------------------------------------------------------------------------- */

@@ -29,6 +29,8 @@
 #define FIRST_LEAPS 8.0
 /* Share of Newton's residual at which it goes on from where the sweeps are. */
 #define FAR_AHEAD 0.1
+/* Steps of the first attempt at the path of Coulomb's law; each has twice those of the one before. */
+#define PATH_STEPS UINT64_C(96)
 /* Rounds of the interior method, if each brings the distance down by so much. */
 #define MOST_ROUNDS 4
 #define ROUND_GAIN 0.3
@@ -290,7 +292,7 @@ typedef struct turns {
     const goal *wanted;
     double price;
     uint32_t rounds_due; /* of the interior method */
-    uint32_t path_due;
+    uint32_t path_due;   /* attempts at the path */
     uint32_t path_first;
     anderson *leaps;
     double *swept; /* where the sweeps are; the best of them is in `held`, */
@@ -317,17 +319,21 @@ static int take_sweeps(solver *s, const system_problem *p, turns *t, double step
     return 1;
 }
 
-/* The path of Coulomb's law, if it is due, first in long steps. r is `distance` from the goal, and
- * the new one is returned. Newton can go on after. */
+/* The path of Coulomb's law, if it is due, first in long steps where they cost little. r is
+ * `distance` from the goal, and the new one is returned. Newton can go on after. */
 static double take_path(solver *s, const system_problem *p, turns *t, double distance, double *r)
 {
+    const uint32_t attempt = PATH_ATTEMPTS - t->path_due;
+
     if (distance <= 1.0 || t->path_due == 0 || !can_go_on(s))
         return distance;
-    t->path_due = 0;
-    distance = path_follow(s->newton, &s->run, r);
-    note_run(s);
+    t->path_due--;
+    if (attempt == 0 && t->price < DEAR) {
+        distance = path_follow(s->newton, &s->run, r);
+        note_run(s);
+    }
     if (distance > 1.0 && can_go_on(s)) {
-        distance = path_trace(s->newton, &s->run, r);
+        distance = path_trace(s->newton, &s->run, attempt, PATH_STEPS << attempt, r);
         note_run(s);
     }
     if (distance > 1.0)
@@ -381,7 +387,8 @@ static double run_turns(solver *s, const system_problem *p, turns *t, double *r)
         if (t->path_first != 0)
             distance = take_path(s, p, t, distance, r);
         distance = take_rounds(s, p, t, distance, turn, r);
-        distance = take_path(s, p, t, distance, r);
+        if (t->path_first == 0)
+            distance = take_path(s, p, t, distance, r);
         if (distance <= 1.0 || !can_go_on(s) || newton_stalls(s->newton, &s->run))
             return distance;
         if (!alone && take_sweeps(s, p, t, (double)(s->run.steps - before), r))
@@ -405,7 +412,7 @@ static double take_turns(solver *s, const system_problem *p, const goal *wanted,
                .least = least,
                .sweeps = sweeps};
 
-    t.path_due = interior_possible(p);
+    t.path_due = interior_possible(p) != 0 ? PATH_ATTEMPTS : 0;
     t.path_first = price < DEAR && shears(p);
     t.rounds_due = t.path_due != 0 && (s->options->solver == TRIBO_SOLVER_NEWTON || price < DEAR ||
                                        stands(s, p, swept));

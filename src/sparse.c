@@ -5,6 +5,7 @@
 
 #include <float.h>
 #include <limits.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -434,7 +435,46 @@ static tribo_status solve_general(tribo_sparse *s, double *x)
     return status;
 }
 
-/* ---- the two functions of tribo_linear ------------------------------------------------------- */
+/* ---- sign of the determinant ----------------------------------------------------------------- */
+
+/* 1 if the permutation is odd. `seen`: n int. */
+static int is_odd(int n, const int *permutation, int *seen)
+{
+    int odd = n % 2;
+    memset(seen, 0, (size_t)n * sizeof *seen);
+    for (int i = 0; i < n; i++) {
+        odd ^= !seen[i]; /* each cycle */
+        for (int k = i; !seen[k]; k = permutation[k]) {
+            seen[k] = 1;
+        }
+    }
+    return odd;
+}
+
+static int32_t sign_of_klu(tribo_sparse *s)
+{
+    int *seen = (int *)(s->work + 3 * (size_t)s->n);
+    const double *pivots = s->klu_numeric->Udiag;
+    int odd = is_odd(s->n, s->klu_numeric->Pnum, seen) ^ is_odd(s->n, s->klu_symbolic->Q, seen);
+    for (int i = 0; i < s->n; i++) {
+        odd ^= pivots[i] < 0.0;
+    }
+    return odd ? -1 : 1;
+}
+
+static tribo_status sign_of_umfpack(tribo_sparse *s, int32_t *sign)
+{
+    double mantissa;
+    double exponent;
+    const int status = umfpack_di_get_determinant(&mantissa, &exponent, s->umfpack_numeric, NULL);
+    if (status < UMFPACK_OK) {
+        return TRIBO_ERROR_MEMORY;
+    }
+    *sign = mantissa < 0.0 ? -1 : 1;
+    return TRIBO_OK;
+}
+
+/* ---- the functions of tribo_linear ----------------------------------------------------------- */
 
 static tribo_status analyse(tribo_sparse *s, uint32_t n, const uint32_t *row_starts,
                             const uint32_t *columns, uint32_t symmetric)
@@ -507,16 +547,33 @@ static tribo_status solve(void *context, double *x)
                                    : solve_general(s, x);
 }
 
+static tribo_status sign(void *context, int32_t *out)
+{
+    tribo_sparse *s = context;
+    if (!s || !out) {
+        return TRIBO_ERROR_NULL;
+    }
+    if (s->factors == NOBODY) {
+        return TRIBO_ERROR_CONTACT_MATRIX;
+    }
+    if (s->factors == UMFPACK) {
+        return sign_of_umfpack(s, out);
+    }
+    *out = s->factors == KLU ? sign_of_klu(s) : 1;
+    return TRIBO_OK;
+}
+
 tribo_status tribo_sparse_linear(tribo_sparse *sparse, tribo_linear *linear)
 {
     if (!sparse || !linear) {
         return TRIBO_ERROR_NULL;
     }
-    if (linear->struct_size != sizeof *linear) {
+    const uint32_t size = linear->struct_size;
+    if (size < offsetof(tribo_linear, sign) || !size_is_known(size, sizeof *linear)) {
         return TRIBO_ERROR_STRUCT_SIZE;
     }
-    const tribo_linear full = {sizeof full, 0, sparse, factor, solve};
-    *linear = full;
+    const tribo_linear full = {size, 0, sparse, factor, solve, sign};
+    memcpy(linear, &full, size);
     return TRIBO_OK;
 }
 

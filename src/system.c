@@ -28,7 +28,8 @@ static tribo_status read_linear(const tribo_linear *linear)
 {
     if (linear == NULL)
         return TRIBO_OK;
-    if (linear->struct_size != sizeof *linear)
+    if (linear->struct_size < offsetof(tribo_linear, sign) ||
+        !size_is_known(linear->struct_size, sizeof *linear))
         return TRIBO_ERROR_STRUCT_SIZE;
     return linear->factor == NULL || linear->solve == NULL ? TRIBO_ERROR_NULL : TRIBO_OK;
 }
@@ -152,7 +153,8 @@ static void take_shared(plan *p, arena *a, const tribo_system_options *o)
     p->solver.mu = numbers(a, 2 * n);
     p->solver.sweep_memory = arena_take(a, sweep_size(p->count, p->bodies, p->torques), 1);
     p->solver.run.dense_limit = o->dense_limit;
-    p->solver.run.linear = o->linear;
+    if (o->linear != NULL)
+        memcpy(&p->solver.run.linear, o->linear, o->linear->struct_size);
     p->solver.run.isa = o->isa;
     if (o->solver != TRIBO_SOLVER_GAUSS_SEIDEL)
         p->solver.newton =

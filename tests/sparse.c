@@ -564,6 +564,70 @@ static void test_bad_patterns_are_refused(void **state)
     }
 }
 
+/* Sign of the determinant by elimination with pivots, rows exchanged and negative pivots counted. */
+static int32_t sign_of(const matrix *m)
+{
+    static double a[DENSE][DENSE];
+    int32_t sign = 1;
+    memset(a, 0, sizeof a);
+    for (uint32_t i = 0; i < m->n; i++) {
+        for (uint32_t k = m->starts[i]; k < m->starts[i + 1]; k++) {
+            a[i][m->columns[k]] = m->values[k];
+        }
+    }
+    for (uint32_t k = 0; k < m->n; k++) {
+        uint32_t pivot = k;
+        for (uint32_t i = k + 1; i < m->n; i++) {
+            pivot = fabs(a[i][k]) > fabs(a[pivot][k]) ? i : pivot;
+        }
+        for (uint32_t j = 0; j < m->n; j++) {
+            const double held = a[k][j];
+            a[k][j] = a[pivot][j];
+            a[pivot][j] = held;
+        }
+        sign = (pivot != k) != (a[k][k] < 0.0) ? -sign : sign;
+        for (uint32_t i = k + 1; i < m->n; i++) {
+            const double l = a[i][k] / a[k][k];
+            for (uint32_t j = k; j < m->n; j++) {
+                a[i][j] -= l * a[k][j];
+            }
+        }
+    }
+    return sign;
+}
+
+static void test_signs(void **state)
+{
+    (void)state;
+    for (uint32_t method = 0; method < METHODS; method++) {
+        uint32_t negative = 0;
+        int32_t sign = 7;
+        open_sparse(method);
+        assert_int_equal(linear.sign(linear.context, &sign), TRIBO_ERROR_CONTACT_MATRIX);
+        assert_int_equal(sign, 7);
+        for (uint64_t index = 0; index < 200; index++) {
+            const uint32_t blocks = 1 + (uint32_t)(index % 12);
+            /* the lighter the diagonal, the more pivots are looked for elsewhere */
+            draw(&given, blocks, 3, 0, index % 2 ? 0.02 : 1.25,
+                 index % 3 ? meet_at_random : meet_in_line, index);
+            if (factor(&given) != TRIBO_OK) {
+                continue;
+            }
+            assert_int_equal(linear.sign(linear.context, &sign), TRIBO_OK);
+            assert_int_equal(sign, sign_of(&given));
+            negative += sign < 0;
+        }
+        assert_true(negative > 40 && negative < 160);
+        draw(&given, 9, 3, 1, 1.25, meet_in_line, 1);
+        assert_int_equal(factor(&given), TRIBO_OK);
+        assert_int_equal(linear.sign(linear.context, &sign), TRIBO_OK);
+        assert_int_equal(sign, 1);
+        assert_int_equal(linear.sign(linear.context, NULL), TRIBO_ERROR_NULL);
+        assert_int_equal(linear.sign(NULL, &sign), TRIBO_ERROR_NULL);
+        close_sparse();
+    }
+}
+
 static void test_null_and_options(void **state)
 {
     static const uint32_t starts[2] = {0, 1}, column = 0;
@@ -582,13 +646,19 @@ static void test_null_and_options(void **state)
     tribo_sparse_destroy(NULL);
 
     open_sparse(0);
-    tribo_linear short_one = {.struct_size = sizeof short_one - 8};
+    tribo_linear short_one = {.struct_size = offsetof(tribo_linear, sign) - 8};
     tribo_sparse_info info = {.struct_size = 3};
     double x = 1.0;
     assert_int_equal(tribo_sparse_linear(NULL, &short_one), TRIBO_ERROR_NULL);
     assert_int_equal(tribo_sparse_linear(sparse, NULL), TRIBO_ERROR_NULL);
     assert_int_equal(tribo_sparse_linear(sparse, &short_one), TRIBO_ERROR_STRUCT_SIZE);
     assert_null(short_one.factor);
+    short_one.struct_size = sizeof short_one + 8;
+    assert_int_equal(tribo_sparse_linear(sparse, &short_one), TRIBO_ERROR_STRUCT_SIZE);
+    short_one.struct_size = offsetof(tribo_linear, sign); /* an older one */
+    assert_int_equal(tribo_sparse_linear(sparse, &short_one), TRIBO_OK);
+    assert_non_null(short_one.solve);
+    assert_null(short_one.sign);
     assert_int_equal(tribo_sparse_report(NULL, &info), TRIBO_ERROR_NULL);
     assert_int_equal(tribo_sparse_report(sparse, NULL), TRIBO_ERROR_NULL);
     assert_int_equal(tribo_sparse_report(sparse, &info), TRIBO_ERROR_STRUCT_SIZE);
@@ -834,6 +904,7 @@ int main(void)
         TEST(test_none_and_one),
         TEST(test_singular_is_refused),
         TEST(test_bad_patterns_are_refused),
+        TEST(test_signs),
         TEST(test_null_and_options),
         TEST(test_default_allocator),
         TEST(test_lattices_are_dissected),

@@ -1484,7 +1484,7 @@ static tribo_status substitute(void *context, double *x)
 static void test_user_linear_solver(void **state)
 {
     elimination mine = {0, NULL, 0, 0, TRIBO_OK};
-    tribo_linear linear = {sizeof linear, 0, &mine, eliminate, substitute};
+    tribo_linear linear = {sizeof linear, 0, &mine, eliminate, substitute, NULL};
     (void)state;
     for (uint64_t i = 0; i < 4; i++) {
         systems_scene scene;
@@ -1648,15 +1648,15 @@ static void test_bad_calls(void **state)
         expect(&c, TRIBO_ERROR_STRUCT_SIZE);
         c.info.struct_size = i < 3 ? sizes[i] : (uint32_t)sizeof(tribo_system_info) + 8;
         expect(&c, TRIBO_ERROR_STRUCT_SIZE);
-        tribo_linear linear = {i < 3 ? sizes[i] : (uint32_t)sizeof(tribo_linear) + 8, 0, NULL,
-                               eliminate, substitute};
+        tribo_linear linear = {sizeof linear, 0, NULL, eliminate, substitute, NULL};
+        linear.struct_size = i < 3 ? sizes[i] : (uint32_t)sizeof linear + 8;
         c.options.linear = &linear;
         expect(&c, TRIBO_ERROR_STRUCT_SIZE);
     }
-    tribo_linear no_factor = {sizeof no_factor, 0, NULL, NULL, substitute};
+    tribo_linear no_factor = {sizeof no_factor, 0, NULL, NULL, substitute, NULL};
     c.options.linear = &no_factor;
     expect(&c, TRIBO_ERROR_NULL);
-    tribo_linear no_solve = {sizeof no_solve, 0, NULL, eliminate, NULL};
+    tribo_linear no_solve = {sizeof no_solve, 0, NULL, eliminate, NULL, NULL};
     c.options.linear = &no_solve;
     expect(&c, TRIBO_ERROR_NULL);
     /* options */

@@ -1001,7 +1001,7 @@ static void solve_scene(const tribo_system_options *options)
  * where they go, or null. */
 static void solve_each_way(uint64_t most, double *torques)
 {
-    const tribo_linear linear = {sizeof linear, 0, NULL, dense_factor, dense_solve};
+    const tribo_linear linear = {sizeof linear, 0, NULL, dense_factor, dense_solve, NULL};
     tribo_system_options options;
     memset(&options, 0, sizeof options);
     options.struct_size = sizeof options;
@@ -1132,7 +1132,7 @@ static void solve_assembled(uint32_t count, int sparse, const tribo_system_optio
 
 static void run_assembled(void)
 {
-    const tribo_linear linear = {sizeof linear, 0, NULL, dense_factor, dense_solve};
+    const tribo_linear linear = {sizeof linear, 0, NULL, dense_factor, dense_solve, NULL};
     tribo_system_options options;
     const uint32_t count = 1 + (uint32_t)below(20);
     const int dense_form = below(2);
