@@ -102,7 +102,9 @@ const (
 	SolverGaussSeidel uint32 = 1
 	// Proximal point and semismooth Newton, in the bodies' velocities or on W; and where that does
 	//  not end soon, an interior-point method on the convex neighbour of the problem (Anitescu,
-	//  Math. Program. 105 (2006) 113), which finds how a system can stand, whatever its size.
+	//  Math. Program. 105 (2006) 113), which finds how a system can stand, whatever its size, and
+	//  the central path of Coulomb's law itself, followed where it turns back, too. Where bodies
+	//  slide over each other that path goes first.
 	SolverNewton uint32 = 2
 	// The greatest eta of the contacts: tribo_measures of audit.h, with all of W.
 	MeasureEta uint32 = 0

@@ -200,6 +200,7 @@ static void print_system(void)
     FIELD(tribo_linear, context);
     FIELD(tribo_linear, factor);
     FIELD(tribo_linear, solve);
+    FIELD(tribo_linear, sign);
     TYPE(tribo_system_options);
     FIELD(tribo_system_options, struct_size);
     FIELD(tribo_system_options, solver);

@@ -17,7 +17,7 @@ typedef struct newton_run {
     uint64_t most_steps;
     uint32_t isa;
     uint32_t dense_limit;
-    const tribo_linear *linear;
+    tribo_linear linear;             /* without functions: none */
     uint32_t (*halt)(void *context); /* other than 0: stop */
     void *context;
 
@@ -37,11 +37,11 @@ uint32_t newton_possible(uint32_t count, uint32_t bodies, const newton_run *run)
 newton *newton_take(arena *a, uint32_t count, uint32_t bodies, uint32_t torques, size_t links,
                     const newton_run *run);
 
-/* About how many sweeps take as long as a step on this problem. */
+/* Order the unknowns of this problem. Returns about how many sweeps take as long as a step on it. */
 double newton_price(newton *n, const system_problem *problem, const newton_run *run);
 
-/* Start from r; `problem` and `wanted` must last until the last newton_continue. Returns the distance
- * of r from the goal. */
+/* Start from r on the problem of the last newton_price; it and `wanted` must last until the last
+ * newton_continue. Returns the distance of r from the goal. */
 double newton_start(newton *n, const system_problem *problem, const goal *wanted,
                     const newton_run *run, const double *r);
 
@@ -63,6 +63,22 @@ uint32_t interior_possible(const system_problem *problem);
 
 /* One round; r receives the best impulses since newton_start. Returns their distance. */
 double interior_round(newton *n, newton_run *run, double *r);
+
+/* The central path of Coulomb's law itself: x o y = t e, with the De Saxce term that of the velocity.
+ * For each t there is such a point (freeze the term: one point; the fixed point is Brouwer's), and
+ * where t is large but one, so that the path from there leads to t = 0, though it may turn back on
+ * its way. path_follow takes it in long steps, some fifteen to thirty, until they fail; path_trace
+ * in some `steps` measured along it (Keller, in Rabinowitz (ed.), Applications of bifurcation theory,
+ * 1977, 359), which pass where t turns; each attempt in its own manner. Newton ends both. Call
+ * newton_start before and, unless the goal is met, after; interior_possible tells of which problems.
+ * r receives the best impulses since; they return their distance. */
+#define PATH_ATTEMPTS 3
+double path_follow(newton *n, newton_run *run, double *r);
+double path_trace(newton *n, newton_run *run, uint32_t attempt, uint64_t steps, double *r);
+
+/* A few of Newton's steps `from` impulses nearby, as long as they bring the distance down by much. r
+ * receives the best impulses since newton_start; returns their distance. */
+double newton_finish(newton *n, newton_run *run, const double *from, double *r);
 
 /* 1 if the last many steps brought nothing. */
 uint32_t newton_stalls(const newton *n, const newton_run *run);

@@ -162,7 +162,9 @@ pub const TRIBO_SOLVER_AUTO: u32 = 0;
 pub const TRIBO_SOLVER_GAUSS_SEIDEL: u32 = 1;
 /// Proximal point and semismooth Newton, in the bodies' velocities or on W; and where that does
 ///  not end soon, an interior-point method on the convex neighbour of the problem (Anitescu,
-///  Math. Program. 105 (2006) 113), which finds how a system can stand, whatever its size.
+///  Math. Program. 105 (2006) 113), which finds how a system can stand, whatever its size, and
+///  the central path of Coulomb's law itself, followed where it turns back, too. Where bodies
+///  slide over each other that path goes first.
 pub const TRIBO_SOLVER_NEWTON: u32 = 2;
 /// The greatest eta of the contacts: tribo_measures of audit.h, with all of W.
 pub const TRIBO_MEASURE_ETA: u32 = 0;
@@ -254,6 +256,10 @@ pub type tribo_factor_function =
 /// Replace x by the solution for the right-hand side x, n numbers.
 pub type tribo_solve_function =
     unsafe extern "C" fn(context: *mut c_void, x: *mut f64) -> tribo_status;
+
+/// Tell the sign of the determinant of the last matrix: -1 or 1.
+pub type tribo_sign_function =
+    unsafe extern "C" fn(context: *mut c_void, sign: *mut i32) -> tribo_status;
 
 /// Called with what is known so far; return other than 0 to stop.
 pub type tribo_progress_function =
@@ -906,10 +912,12 @@ pub struct tribo_linear {
     pub struct_size: u32,
     /// 0
     pub reserved: u32,
-    /// handed to both functions
+    /// handed to all functions
     pub context: *mut c_void,
     pub factor: Option<tribo_factor_function>,
     pub solve: Option<tribo_solve_function>,
+    /// May be null, or beyond struct_size: piles that creep may end unsolved then.
+    pub sign: Option<tribo_sign_function>,
 }
 
 impl Default for tribo_linear {
@@ -921,7 +929,7 @@ impl Default for tribo_linear {
 }
 
 #[cfg(target_pointer_width = "64")]
-const _: () = assert!(core::mem::size_of::<tribo_linear>() == 32);
+const _: () = assert!(core::mem::size_of::<tribo_linear>() == 40);
 
 /// Options. All zeros but struct_size is the default.
 #[repr(C)]

@@ -72,7 +72,9 @@ enum {
     TRIBO_SOLVER_GAUSS_SEIDEL = 1,
     /** Proximal point and semismooth Newton, in the bodies' velocities or on W; and where that does
      *  not end soon, an interior-point method on the convex neighbour of the problem (Anitescu,
-     *  Math. Program. 105 (2006) 113), which finds how a system can stand, whatever its size. */
+     *  Math. Program. 105 (2006) 113), which finds how a system can stand, whatever its size, and
+     *  the central path of Coulomb's law itself, followed where it turns back, too. Where bodies
+     *  slide over each other that path goes first. */
     TRIBO_SOLVER_NEWTON = 2
 };
 
@@ -158,15 +160,20 @@ typedef tribo_status (*tribo_factor_function)(void *context, uint32_t n, const u
 /** Replace x by the solution for the right-hand side x, n numbers. */
 typedef tribo_status (*tribo_solve_function)(void *context, double *x);
 
+/** Tell the sign of the determinant of the last matrix: -1 or 1. */
+typedef tribo_status (*tribo_sign_function)(void *context, int32_t *sign);
+
 /** Factorise and solve sparse linear systems for Newton: a user's own, or tribo_sparse of
  *  libtribo. Without one, systems up to `dense_limit` unknowns are factored by dense elimination;
  *  so they are, and narrow matrices of more unknowns, with one. */
 typedef struct tribo_linear {
     uint32_t struct_size; /**< sizeof(tribo_linear) */
     uint32_t reserved;    /**< 0 */
-    void *context;        /**< handed to both functions */
+    void *context;        /**< handed to all functions */
     tribo_factor_function factor;
     tribo_solve_function solve;
+    /** May be null, or beyond struct_size: piles that creep may end unsolved then. */
+    tribo_sign_function sign;
 } tribo_linear;
 
 /** Called with what is known so far; return other than 0 to stop. */
