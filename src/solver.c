@@ -29,8 +29,10 @@
 #define FIRST_LEAPS 8.0
 /* Share of Newton's residual at which it goes on from where the sweeps are. */
 #define FAR_AHEAD 0.1
-/* Steps of the first attempt at the path of Coulomb's law; each has twice those of the one before. */
+/* Steps of an attempt at the path of Coulomb's law, and contacts for each more: the more there are,
+ * the more folds it has. */
 #define PATH_STEPS UINT64_C(96)
+#define CONTACTS_A_STEP 3
 /* Rounds of the interior method, if each brings the distance down by so much. */
 #define MOST_ROUNDS 4
 #define ROUND_GAIN 0.3
@@ -333,7 +335,8 @@ static double take_path(solver *s, const system_problem *p, turns *t, double dis
         note_run(s);
     }
     if (distance > 1.0 && can_go_on(s)) {
-        distance = path_trace(s->newton, &s->run, attempt, PATH_STEPS << attempt, r);
+        const uint64_t steps = PATH_STEPS + p->count / CONTACTS_A_STEP;
+        distance = path_trace(s->newton, &s->run, attempt, steps, r);
         note_run(s);
     }
     if (distance > 1.0)
