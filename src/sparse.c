@@ -569,7 +569,7 @@ tribo_status tribo_sparse_linear(tribo_sparse *sparse, tribo_linear *linear)
         return TRIBO_ERROR_NULL;
     }
     const uint32_t size = linear->struct_size;
-    if (size < offsetof(tribo_linear, sign) || !size_is_known(size, sizeof *linear)) {
+    if (size != sizeof *linear && size != offsetof(tribo_linear, sign)) {
         return TRIBO_ERROR_STRUCT_SIZE;
     }
     const tribo_linear full = {size, 0, sparse, factor, solve, sign};

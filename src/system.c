@@ -13,6 +13,8 @@
 #define DEFAULT_DENSE 192u
 /* Greatest residual, of the greatest speed before: whatever the impulses are. */
 #define RESIDUAL_SHARE 0.1
+#define FIRST_SIZE \
+    16 /* most contacts of the components that are solved first, then four times those */
 /* Parts of a unit vector below this, 2^-100, are far below rounding, but not their products: those
  * become subnormal, and scaling by powers of two would change bits. */
 #define LEAST_PART 7.8886090522101181e-31
@@ -28,8 +30,8 @@ static tribo_status read_linear(const tribo_linear *linear)
 {
     if (linear == NULL)
         return TRIBO_OK;
-    if (linear->struct_size < offsetof(tribo_linear, sign) ||
-        !size_is_known(linear->struct_size, sizeof *linear))
+    if (linear->struct_size != sizeof *linear &&
+        linear->struct_size != offsetof(tribo_linear, sign))
         return TRIBO_ERROR_STRUCT_SIZE;
     return linear->factor == NULL || linear->solve == NULL ? TRIBO_ERROR_NULL : TRIBO_OK;
 }
@@ -693,6 +695,19 @@ static void solve_component(plan *p, uint32_t component, const goal *whole)
     p->solver.dv = dv;
 }
 
+/* The components of so many contacts. The smaller ones go first, so that one that takes all the time
+ * that there is keeps none of them waiting. */
+static void solve_sizes(plan *p, size_t least, size_t most, const goal *whole)
+{
+    for (uint32_t i = 0; i < p->components && p->solver.status == TRIBO_OK; i++) {
+        const size_t size = p->starts[i + 1] - p->starts[i];
+        if (size < least || size > most)
+            continue;
+        p->solver.info->components += size > 0;
+        solve_component(p, i, whole);
+    }
+}
+
 static void solve_all(plan *p, const tribo_system_options *o, const double *start,
                       tribo_system_info *info)
 {
@@ -717,10 +732,8 @@ static void solve_all(plan *p, const tribo_system_options *o, const double *star
         }
     }
     const goal wanted = whole_goal(p, o);
-    for (uint32_t i = 0; i < p->components && p->solver.status == TRIBO_OK; i++) {
-        info->components += p->starts[i + 1] > p->starts[i];
-        solve_component(p, i, &wanted);
-    }
+    for (size_t least = 0, most = FIRST_SIZE; least <= p->count; least = most + 1, most *= 4)
+        solve_sizes(p, least, most, &wanted);
     info->stop = p->solver.stop;
 }
 

@@ -653,6 +653,8 @@ static void test_null_and_options(void **state)
     assert_int_equal(tribo_sparse_linear(sparse, NULL), TRIBO_ERROR_NULL);
     assert_int_equal(tribo_sparse_linear(sparse, &short_one), TRIBO_ERROR_STRUCT_SIZE);
     assert_null(short_one.factor);
+    short_one.struct_size = sizeof short_one - 4;
+    assert_int_equal(tribo_sparse_linear(sparse, &short_one), TRIBO_ERROR_STRUCT_SIZE);
     short_one.struct_size = sizeof short_one + 8;
     assert_int_equal(tribo_sparse_linear(sparse, &short_one), TRIBO_ERROR_STRUCT_SIZE);
     short_one.struct_size = offsetof(tribo_linear, sign); /* an older one */

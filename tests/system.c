@@ -1350,6 +1350,37 @@ static void test_stops(void **state)
     }
 }
 
+/* An island that takes all the time that there is keeps no smaller one waiting. */
+static void test_time_is_shared(void **state)
+{
+    systems_scene scene;
+    systems_scene small;
+    solution alone;
+    solution got;
+    tribo_system_options options = defaults();
+    watch w = {0.0, 1.0, 0, UINT32_MAX, {0}};
+    (void)state;
+    options.solver = TRIBO_SOLVER_GAUSS_SEIDEL;
+    options.tolerance = 1e-13;
+    systems_tower(&scene, 20, SYSTEMS_TOP, 1000.0, 0.5);
+    systems_tower(&small, 2, SYSTEMS_TOP, 1.0, 0.5);
+    solve(&small, &options, NULL, &alone);
+    assert_int_equal(alone.info.stop, TRIBO_STOP_TOLERANCE);
+    const size_t before = scene.count;
+    systems_append(&scene, &small);
+    options.clock = tick;
+    options.user = &w;
+    options.max_seconds = 40.0;
+    solve(&scene, &options, NULL, &got);
+    assert_int_equal(got.info.stop, TRIBO_STOP_TIME);
+    assert_memory_equal(got.impulses + 3 * before, alone.impulses,
+                        3 * small.count * sizeof *alone.impulses);
+    release(&got);
+    release(&alone);
+    systems_free(&small);
+    systems_free(&scene);
+}
+
 /* No solver gives back less than it was given. */
 static void test_best_iterate_is_returned(void **state)
 {
@@ -2012,6 +2043,7 @@ int main(void)
         TEST(test_assembled_and_bodies_agree),
         TEST(test_unsymmetric_matrices),
         TEST(test_stops),
+        TEST(test_time_is_shared),
         TEST(test_best_iterate_is_returned),
         TEST(test_measures),
         TEST(test_user_linear_solver),
