@@ -1,7 +1,8 @@
 /* Many contacts: how time and memory grow with their number, and what towers take.
  *
- *   system [--full] [CONTACTS [SECONDS]]     greatest number of contacts (10000; --full: 100000),
- *                                            limit for one solve (3; --full: 20)
+ *   system [--full] [CONTACTS [SECONDS [SCENE]]]
+ *       greatest number of contacts (10000; --full: 100000), limit for one solve (3; --full: 20), and
+ *       a scene: how it grows, alone
  *
  * Spheres poured into a box while they fall and once they lie (pour, pile), heaps of spheres that
  * stand, walls of bricks, towers of boxes, and pyramids of spheres that fall apart (rubble), from a
@@ -168,7 +169,13 @@ static double exponent(const char *scene)
     return n > 1.0 ? (n * xy - x * y) / (n * xx - x * x) : 0.0;
 }
 
-static void grow(double most, double limit)
+static int is_wanted(size_t kind, const char *only)
+{
+    return only == NULL || strcmp(only, scene_names[kind]) == 0;
+}
+
+/* All scenes, or one alone. */
+static void grow(double most, double limit, const char *only)
 {
     static const double sizes[] = {1e2, 3e2, 1e3, 3e3, 1e4, 3e4, 1e5, 3e5, 1e6};
     tribo_system_options options = {.struct_size = sizeof options};
@@ -179,7 +186,7 @@ static void grow(double most, double limit)
     printf("%-6s %8s %8s %11s %9s %7s %7s %7s %6s %6s  %8s %8s\n", "scene", "contacts", "bodies",
            "ms", "us/cont.", "B/cont.", "sparse", "sweeps", "steps", "factor", "eta", "invar.");
     for (size_t kind = 0; kind < SCENES; kind++) {
-        int solved = 1;
+        int solved = is_wanted(kind, only);
         for (size_t i = 0; i < sizeof sizes / sizeof sizes[0] && sizes[i] <= most && solved; i++) {
             systems_scene scene;
             row *r = &rows[row_count++];
@@ -192,6 +199,8 @@ static void grow(double most, double limit)
         }
     }
     for (size_t kind = 0; kind < SCENES; kind++) {
+        if (!is_wanted(kind, only))
+            continue;
         printf("%s: time grows as contacts^%.2f\n", scene_names[kind], exponent(scene_names[kind]));
     }
 }
@@ -319,11 +328,21 @@ int main(int count, char **arguments)
     const int full = take_full(&count, arguments);
     const double most = count > 1 ? strtod(arguments[1], NULL) : full ? 1e5 : 1e4;
     const double limit = count > 2 ? strtod(arguments[2], NULL) : full ? 20.0 : 3.0;
+    const char *only = count > 3 ? arguments[3] : NULL;
+    size_t known = 0;
+    while (known < SCENES && only != NULL && !is_wanted(known, only))
+        known++;
+    if (known == SCENES) {
+        fprintf(stderr, "no scene %s\n", only);
+        return EXIT_FAILURE;
+    }
     budget = full ? 0.2 : budget;
-    grow(most, limit);
-    stand();
-    sweep(limit);
-    slide(full ? 100 : 50);
+    grow(most, limit, only);
+    if (only == NULL) {
+        stand();
+        sweep(limit);
+        slide(full ? 100 : 50);
+    }
     write_table(count > 0 ? arguments[0] : "system");
     return EXIT_SUCCESS;
 }
