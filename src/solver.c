@@ -32,6 +32,7 @@
 /* Steps of an attempt at the path of Coulomb's law, and contacts for each more: the more there are,
  * the more folds it has. */
 #define PATH_STEPS UINT64_C(96)
+#define MOST_PATH_STEPS UINT64_C(500)
 #define CONTACTS_A_STEP 3
 /* Rounds of the interior method, if each brings the distance down by so much. */
 #define MOST_ROUNDS 4
@@ -336,7 +337,8 @@ static double take_path(solver *s, const system_problem *p, turns *t, double dis
     }
     if (distance > 1.0 && can_go_on(s)) {
         const uint64_t steps = PATH_STEPS + p->count / CONTACTS_A_STEP;
-        distance = path_trace(s->newton, &s->run, attempt, steps, r);
+        distance = path_trace(s->newton, &s->run, attempt,
+                              steps < MOST_PATH_STEPS ? steps : MOST_PATH_STEPS, r);
         note_run(s);
     }
     if (distance > 1.0)
