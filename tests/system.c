@@ -1525,6 +1525,7 @@ static void test_user_linear_solver(void **state)
         options.linear = &linear;
         options.solver = TRIBO_SOLVER_NEWTON;
         options.dense_limit = 1;
+        linear.struct_size = i % 2 ? (uint32_t)offsetof(tribo_linear, sign) : sizeof linear;
         draw_scene(&scene, i);
         solve(&scene, &options, NULL, &got);
         assert_int_equal(got.info.stop, TRIBO_STOP_TOLERANCE);
@@ -1684,6 +1685,9 @@ static void test_bad_calls(void **state)
         c.options.linear = &linear;
         expect(&c, TRIBO_ERROR_STRUCT_SIZE);
     }
+    tribo_linear half = {sizeof half - 4, 0, NULL, eliminate, substitute, NULL};
+    c.options.linear = &half; /* of the pointer to sign */
+    expect(&c, TRIBO_ERROR_STRUCT_SIZE);
     tribo_linear no_factor = {sizeof no_factor, 0, NULL, NULL, substitute, NULL};
     c.options.linear = &no_factor;
     expect(&c, TRIBO_ERROR_NULL);

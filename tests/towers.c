@@ -702,8 +702,8 @@ static void test_poured_spheres_that_fall(void **state)
 }
 
 /* Once they lie, a fifth of the contacts still slides, and no balance without slip is to be found:
- * the hardest moment of a pile. The first of the larger ones took neither sweeps nor Newton, but the
- * path of Coulomb's law: some fold of it stood in their way. */
+ * the hardest moment of a pile. Neither sweeps nor Newton solve the first of the larger ones; the
+ * path of Coulomb's law does. */
 static void test_poured_spheres_that_lie(void **state)
 {
     (void)state;

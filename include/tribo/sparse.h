@@ -90,8 +90,11 @@ TRIBO_API void tribo_sparse_destroy(tribo_sparse *sparse);
  *
  *  solve: TRIBO_OK; TRIBO_ERROR_CONTACT_MATRIX (no factors), TRIBO_ERROR_MEMORY, TRIBO_ERROR_NULL.
  *
- *  @param linear struct_size set by the caller
- *  @return TRIBO_ERROR_NULL, TRIBO_ERROR_STRUCT_SIZE. */
+ *  sign: TRIBO_OK (1 for a symmetric matrix, and for one without rows); otherwise as solve, and
+ *  *sign is left as it is.
+ *
+ *  @param linear struct_size set by the caller; where it ends before `sign`, that is not given
+ *  @return TRIBO_ERROR_NULL, TRIBO_ERROR_STRUCT_SIZE (neither of the two). */
 TRIBO_API tribo_status tribo_sparse_linear(tribo_sparse *sparse, tribo_linear *linear);
 
 /** Tell what it has done.

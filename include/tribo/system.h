@@ -160,19 +160,22 @@ typedef tribo_status (*tribo_factor_function)(void *context, uint32_t n, const u
 /** Replace x by the solution for the right-hand side x, n numbers. */
 typedef tribo_status (*tribo_solve_function)(void *context, double *x);
 
-/** Tell the sign of the determinant of the last matrix: -1 or 1. */
+/** Tell the sign of the determinant of the matrix that was factorised last: -1 or 1.
+ *  @return TRIBO_OK; any other status ends the solve with it, but for TRIBO_ERROR_CONTACT_MATRIX: the
+ *          sign is not known. */
 typedef tribo_status (*tribo_sign_function)(void *context, int32_t *sign);
 
 /** Factorise and solve sparse linear systems for Newton: a user's own, or tribo_sparse of
  *  libtribo. Without one, systems up to `dense_limit` unknowns are factored by dense elimination;
  *  so they are, and narrow matrices of more unknowns, with one. */
 typedef struct tribo_linear {
-    uint32_t struct_size; /**< sizeof(tribo_linear) */
+    uint32_t struct_size; /**< sizeof(tribo_linear), or offsetof(tribo_linear, sign) */
     uint32_t reserved;    /**< 0 */
     void *context;        /**< handed to all functions */
     tribo_factor_function factor;
     tribo_solve_function solve;
-    /** May be null, or beyond struct_size: piles that creep may end unsolved then. */
+    /** May be null, or beyond struct_size: piles that creep may end unsolved then, for the path of
+     *  Coulomb's law is followed by this sign. */
     tribo_sign_function sign;
 } tribo_linear;
 

@@ -257,7 +257,9 @@ pub type tribo_factor_function =
 pub type tribo_solve_function =
     unsafe extern "C" fn(context: *mut c_void, x: *mut f64) -> tribo_status;
 
-/// Tell the sign of the determinant of the last matrix: -1 or 1.
+/// Tell the sign of the determinant of the matrix that was factorised last: -1 or 1.
+///  @return TRIBO_OK; any other status ends the solve with it, but for TRIBO_ERROR_CONTACT_MATRIX: the
+///          sign is not known.
 pub type tribo_sign_function =
     unsafe extern "C" fn(context: *mut c_void, sign: *mut i32) -> tribo_status;
 
@@ -908,7 +910,7 @@ const _: () = assert!(core::mem::size_of::<tribo_system_info>() == 152);
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct tribo_linear {
-    /// sizeof(tribo_linear)
+    /// sizeof(tribo_linear), or offsetof(tribo_linear, sign)
     pub struct_size: u32,
     /// 0
     pub reserved: u32,
@@ -916,7 +918,8 @@ pub struct tribo_linear {
     pub context: *mut c_void,
     pub factor: Option<tribo_factor_function>,
     pub solve: Option<tribo_solve_function>,
-    /// May be null, or beyond struct_size: piles that creep may end unsolved then.
+    /// May be null, or beyond struct_size: piles that creep may end unsolved then, for the path of
+    ///  Coulomb's law is followed by this sign.
     pub sign: Option<tribo_sign_function>,
 }
 
@@ -1845,8 +1848,11 @@ extern "C" {
     ///
     ///  solve: TRIBO_OK; TRIBO_ERROR_CONTACT_MATRIX (no factors), TRIBO_ERROR_MEMORY, TRIBO_ERROR_NULL.
     ///
-    ///  @param linear struct_size set by the caller
-    ///  @return TRIBO_ERROR_NULL, TRIBO_ERROR_STRUCT_SIZE.
+    ///  sign: TRIBO_OK (1 for a symmetric matrix, and for one without rows); otherwise as solve, and
+    ///  *sign is left as it is.
+    ///
+    ///  @param linear struct_size set by the caller; where it ends before `sign`, that is not given
+    ///  @return TRIBO_ERROR_NULL, TRIBO_ERROR_STRUCT_SIZE (neither of the two).
     pub fn tribo_sparse_linear(sparse: *mut tribo_sparse, linear: *mut tribo_linear) -> tribo_status;
     /// Tell what it has done.
     ///  @return TRIBO_ERROR_NULL, TRIBO_ERROR_STRUCT_SIZE.
